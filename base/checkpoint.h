@@ -48,7 +48,7 @@ std::string name_in_checkpoint(const std::filesystem::path& given);
 
 /// How a kind of checkpoint begins: its magic, the byte order and the version of checkpoints, 8 bytes of the
 /// kind, the checksum of the head, further fields of the kind, and the fingerprint of the computation. The
-/// kinds are runs in parts (above) and pictures under way (renderer/checkpoint.h).
+/// kinds are runs in parts (above) and images under way (renderer/checkpoint.h).
 struct CheckpointForm {
   std::array<char, 8> magic;
   const char* name;               ///< in "is not NAME"

@@ -18,13 +18,13 @@ struct BatchOptions {
   std::filesystem::path reports;  ///< folder for a report of each pair, made if absent; empty: none
   image::ImagePacking packing = image::ImagePacking::automatic;
   bool overwrite = false;
-  std::vector<std::filesystem::path> kept;  ///< files beside the pictures that reports must not replace
+  std::vector<std::filesystem::path> kept;  ///< files beside the images that reports must not replace
 };
 
 /// The outcome of a pair.
 struct PairOutcome {
   ImagePair pair;
-  std::optional<Comparison> comparison;  ///< without pictures; empty: see `error`
+  std::optional<Comparison> comparison;  ///< without images; empty: see `error`
   Verdict verdict, warnings;
   std::string error;             ///< why there is no comparison
   bool sizes_differ = false;     ///< that is the error
@@ -37,13 +37,13 @@ struct PairOutcome {
 /// Compares pairs on all threads; a pair that cannot be compared, also for lack of memory, spoils no other.
 /// The worst comes first: errors, then failures, then passes; among them the largest FLIP (without colours:
 /// the largest mean error of depth), then by name. Progress counts pairs, and is called several times for
-/// each so that it can cancel. Errors: reports that cannot be written, or would replace a picture or a kept
+/// each so that it can cancel. Errors: reports that cannot be written, or would replace an image or a kept
 /// file; Cancelled. Memory: that of one pair for each thread, but of at most eight pairs and, unless a single
 /// one is larger, of 32 million pixels (about 3 GB) at a time.
 std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, const BatchOptions& options,
                                        const Progress& progress = {});
 
-/// The batch as one page, worst first, with small pictures, and with links to the reports of pairs, which are
+/// The batch as one page, worst first, with small images, and with links to the reports of pairs, which are
 /// addressed from the folder of `page`. `reference` and `test` are the names of the two sides for people.
 std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::string& reference,
                          const std::string& test, const std::filesystem::path& page);

@@ -18,7 +18,7 @@ namespace {
 enum class Grows { yes, no };
 
 /// Set where any (grows) or every (shrinks) pixel of the window is set, as far as the window lies in the
-/// picture.
+/// image.
 std::uint8_t decide(int set_count, int window, Grows grows) {
   return grows == Grows::yes ? set_count > 0 : set_count == window;
 }

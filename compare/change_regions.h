@@ -9,21 +9,21 @@
 #include "cloud/point_cloud.h"
 #include "compare/compared_image.h"
 
-// Operations on pixels that are set (1) or not (0), in a picture with rows of `width`.
+// Operations on pixels that are set (1) or not (0), in an image with rows of `width`.
 
 namespace alidade::compare {
 
 /// Leaves a set pixel if at least this share of the 5 x 5 pixels around it, as far as they lie in the
-/// picture, is set: what is not scattered. The corner of a square has 9 of 25. Cost: 25 pixels are read per
+/// image, is set: what is not scattered. The corner of a square has 9 of 25. Cost: 25 pixels are read per
 /// set one.
 std::vector<std::uint8_t> drop_specks(const std::vector<std::uint8_t>& set, int width, double least_density);
 
 /// Closes gaps between set pixels: a dilation by the square of side 2 gap + 1, then an erosion by it. What is
-/// set stays set; beyond the picture's edge everything counts as set to the erosion, so that nothing is lost
+/// set stays set; beyond the image's edge everything counts as set to the erosion, so that nothing is lost
 /// there. Requires gap >= 0. Cost: four passes, whatever the gap; memory: 1 byte per pixel beside the result.
 std::vector<std::uint8_t> close_gaps(const std::vector<std::uint8_t>& set, int width, int gap);
 
-// Where two pictures differ, as few regions that a person can inspect.
+// Where two images differ, as few regions that a person can inspect.
 
 struct ChangeOptions {
   double threshold = 0.2;  ///< in the unit of the map; pixels above it have changed
@@ -55,7 +55,7 @@ struct ChangeRegions {
 /// Regions of a map with one value per pixel, rows of `width` from the top. Pixels have changed if they count
 /// and the magnitude of their value is above the threshold (infinite: too; NaN: not). Specks are dropped,
 /// gaps closed by a square (close_gaps()), and what touches then, also at corners, is one region. Errors:
-/// options out of range. Cost: some passes; memory: 7 bytes per pixel, and at worst, in pictures full of
+/// options out of range. Cost: some passes; memory: 7 bytes per pixel, and at worst, in images full of
 /// noise, 3 more.
 ChangeRegions change_regions(std::span<const float> map, int width, const ImageMask& mask,
                              const ChangeOptions& options = {});
@@ -70,9 +70,9 @@ struct RegionPoint {
 };
 
 /// The points that the regions show, each once (in the largest region that shows it), by id. `ids` is the id
-/// layer of one of the two pictures: point id + 1, 0 where there is nothing. The reference's ids are rows of
+/// layer of one of the two images: point id + 1, 0 where there is nothing. The reference's ids are rows of
 /// the reference's cloud, the test's of the test's. Objects of a scene, which count down from 4294967295, are
-/// not points. Errors: an id beyond `point_count` that cannot be an object of a scene, so the picture was
+/// not points. Errors: an id beyond `point_count` that cannot be an object of a scene, so the image was
 /// made of another cloud; a layer that is not of the map's size. Cost: a sort of the changed pixels.
 std::vector<RegionPoint> region_points(std::span<const std::uint32_t> ids, const ChangeRegions& changes,
                                        std::uint64_t point_count);

@@ -222,7 +222,7 @@ std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const
   const auto stays = [&](std::size_t pixel) {
     return has_finite_color(reference, pixel) && has_finite_color(test, pixel);
   };
-  // Most pictures have none of them, and need no copy of the mask then.
+  // Most images have none of them, and need no copy of the mask then.
   const std::size_t pixels = reference.pixels();
   const std::uint64_t taken = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, pixels, 65536), std::uint64_t{0},

@@ -35,7 +35,7 @@ struct ComparedImage {
   std::vector<float> depth_sigma;
   std::vector<float> normals;      ///< layer N, 3 per pixel; 0 0 0 where there is nothing
   std::vector<std::uint32_t> ids;  ///< layer id: point id + 1; 0 where there is nothing
-  std::vector<std::pair<std::string, std::string>> metadata;  ///< of our own pictures and of EXIF, as texts
+  std::vector<std::pair<std::string, std::string>> metadata;  ///< of our own images and of EXIF, as texts
 
   std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 };
@@ -43,7 +43,7 @@ struct ComparedImage {
 /// An image without pixels that is otherwise like `image`, in another size.
 ComparedImage in_size(const ComparedImage& image, int width, int height);
 
-/// Number of a pixel, row by row, in a picture with rows of `width`.
+/// Number of a pixel, row by row, in an image with rows of `width`.
 inline std::size_t pixel_index(int x, int y, int width) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
 }
@@ -62,11 +62,11 @@ constexpr std::uint64_t k_most_compared_pixels = std::uint64_t{1} << 28;
 /// obeyed, CMYK turned into RGB, of several images in a file the first is taken. NaN and infinite values
 /// stay: the metrics count them. Whole ids may be stored as floating point, as long as all of them are exact:
 /// below 2^24 (half: 2^11). Memory for pixels is taken as they arrive, whatever size the file claims. Errors:
-/// no such file, not a picture, no pixels or more than k_most_compared_pixels, deep or 3D, pixels missing,
+/// no such file, not an image, no pixels or more than k_most_compared_pixels, deep or 3D, pixels missing,
 /// ids that are not whole or not exact, none of the channels above.
 ComparedImage read_compared_image(const std::filesystem::path& file);
 
-/// Number of pixels that the file claims to have; 0 if it is no picture.
+/// Number of pixels that the file claims to have; 0 if it is no image.
 std::uint64_t claimed_pixels(const std::filesystem::path& file);
 
 /// Three values of linear light per pixel: the sRGB curve (IEC 61966-2-1) undone where needed.
@@ -109,35 +109,35 @@ struct ImageMask {
   bool at(std::size_t pixel) const { return counts.empty() || counts[pixel] != 0; }
 };
 
-/// Number of pixels that count in a picture of so many.
+/// Number of pixels that count in an image of so many.
 std::uint64_t counted_pixels(const ImageMask& mask, std::size_t pixels);
 
-// Each of these takes pixels out of `mask`; several in a row leave what all of them leave. "Every picture
+// Each of these takes pixels out of `mask`; several in a row leave what all of them leave. "Every image
 // that has it" are those of the two that have the layer in question. Errors name what is missing.
 
 /// Leaves the pixels that are light in a mask image: above half of the display range in the mean of its
 /// channels. Errors: another width or height than `image` (SizeMismatch), an image without colour.
 void keep_light(ImageMask& mask, const ComparedImage& mask_image, const ComparedImage& image);
 
-/// Leaves pixels with alpha >= `least` in every picture that has it. Errors: none of them has alpha.
+/// Leaves pixels with alpha >= `least` in every image that has it. Errors: none of them has alpha.
 void keep_alpha(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test,
                 float least = 0.5f);
 
-/// Leaves pixels whose depth is finite and above 0 in every picture that has it. Errors: none has depth.
+/// Leaves pixels whose depth is finite and above 0 in every image that has it. Errors: none has depth.
 void keep_valid_depth(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test);
 
-/// Takes out pixels that are sky (id 0; without ids: no depth) in every picture that has it: where one
+/// Takes out pixels that are sky (id 0; without ids: no depth) in every image that has it: where one
 /// sees a surface and the other the sky something changed, and it stays. Errors: none has ids or depth.
 void ignore_sky(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test);
 
-/// Leaves the pixels inside any of the rectangles, which may reach beyond the picture. None: all stay.
+/// Leaves the pixels inside any of the rectangles, which may reach beyond the image. None: all stay.
 void keep_rectangles(ImageMask& mask, const ComparedImage& image,
                      std::span<const image::PixelBox> rectangles);
 /// Takes out the pixels inside any of them.
 void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
                        std::span<const image::PixelBox> rectangles);
 
-/// Takes out pixels with a NaN or infinite colour value in either picture; returns how many it took out.
+/// Takes out pixels with a NaN or infinite colour value in either image; returns how many it took out.
 /// The metrics leave out such pixels by themselves.
 std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test);
 

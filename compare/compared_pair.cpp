@@ -68,7 +68,7 @@ std::uint8_t code(float value) {
   return static_cast<std::uint8_t>(std::lround(255.0f * (value > 0.0f ? std::min(value, 1.0f) : 0.0f)));
 }
 
-/// Makes a picture of value(pixel, channel), which returns sRGB in 0 .. 1.
+/// Makes an image of value(pixel, channel), which returns sRGB in 0 .. 1.
 template <typename Value>
 image::ByteImage byte_image(const ComparedImage& image, const Value& value) {
   image::ByteImage shown{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};

@@ -11,7 +11,7 @@
 
 namespace alidade::compare {
 
-/// Two pictures of one size and the mask of pixels that count.
+/// Two images of one size and the mask of pixels that count.
 struct ComparedPair {
   ComparedImage reference, test;
   ImageMask mask;
@@ -25,12 +25,12 @@ struct ComparedPair {
 ComparedPair read_compared_pair(const std::filesystem::path& reference, const std::filesystem::path& test,
                                 const ComparisonOptions& options, std::vector<std::string>& remarks);
 
-/// A picture as a screen shows it: its colours in sRGB, cut off at black and white. Without colours its
+/// An image as a screen shows it: its colours in sRGB, cut off at black and white. Without colours its
 /// normals (x, y, z from -1 .. 1 as red, green, blue), else its depth (white at 0, black at `farthest` and
 /// beyond), else its ids (every point has a colour of its own). NaN is black.
 image::ByteImage displayed(const ComparedImage& image, double farthest);
 
-/// Both pictures as screens show them. To be called before colours are matched.
+/// Both images as screens show them. To be called before colours are matched.
 ComparisonImages shown_images(const ComparedPair& pair);
 
 /// Maps of a pair that were made for something else, or are still to be made.
@@ -39,7 +39,7 @@ struct PairMaps {
 };
 
 /// Adds maps and histograms of the layers that the pair has, and uses those of `made`. `flip`: map of FLIP,
-/// if there are colours. If the test has matched colours (pictures.matched), titles mention it.
+/// if there are colours. If the test has matched colours (images.matched), titles mention it.
 void add_maps(ComparisonImages& images, const ComparedPair& pair, PairMaps made, std::vector<float> flip);
 
 }  // namespace alidade::compare

@@ -101,7 +101,7 @@ class ComparisonRun {
     for (ComparedImage* const image : {&pair_.reference, &pair_.test}) forget_layers(*image);
   }
 
-  /// Large pictures need the memory for maps.
+  /// Large images need the memory for maps.
   void forget_layers(ComparedImage& image) const {
     const bool is_shown = options_.keep_images && image.color.empty();
     if (!is_shown) give_back(image.normals);

@@ -27,7 +27,7 @@ struct Histogram {
   std::vector<std::uint64_t> bins;
 };
 
-/// Histograms that are drawn into one picture.
+/// Histograms that are drawn into one chart.
 struct HistogramChart {
   std::string title, unit;
   double low = 0.0, high = 1.0;
@@ -53,7 +53,7 @@ enum class ChangeMap {
 
 struct ComparisonOptions {
   // Which pixels count: those that all of these options leave.
-  /// The part of both pictures to compare; pixels in the result count from its top left corner.
+  /// The part of both images to compare; pixels in the result count from its top left corner.
   std::optional<image::PixelBox> crop;
   bool resize_to_reference = false;  ///< otherwise another size is SizeMismatch
   std::filesystem::path mask;        ///< keep_light(); of the size of the reference before cropping
@@ -72,7 +72,7 @@ struct ComparisonOptions {
   bool keep_images = false;  ///< for reports and maps
 };
 
-/// Facts about a picture, from its file.
+/// Facts about an image, from its file.
 struct ComparedImageFacts {
   std::filesystem::path file;
   int width = 0, height = 0;  ///< as compared
@@ -90,7 +90,7 @@ struct ColorFigures {
   FlipResult flip;  ///< the map only while it is needed
 };
 
-/// Pictures and maps for people.
+/// Images and maps for people.
 struct ComparisonImages {
   image::ByteImage reference, test;
   std::optional<image::ByteImage> matched;  ///< the test with matched colours
@@ -109,8 +109,8 @@ struct Comparison {
   std::uint64_t excluded = 0;  ///< of the counted ones, those with NaN or infinite colours, in no figure
   std::vector<std::string> remarks;  ///< what limits the meaning of the figures
 
-  std::optional<ColorFigures> color;  ///< both pictures have colours
-  LayerMetrics layers;                ///< of the layers that both pictures have
+  std::optional<ColorFigures> color;  ///< both images have colours
+  LayerMetrics layers;                ///< of the layers that both images have
   std::optional<ColorMatch> match;
   std::optional<ColorFigures> matched;  ///< of the test with matched colours
   std::optional<Alignment> alignment;
@@ -119,7 +119,7 @@ struct Comparison {
 };
 
 /// Compares two files. Errors: those of read_compared_image(); SizeMismatch; masks of layers that neither
-/// file has; a crop outside of the picture; nothing in common (one has colours only, the other layers only);
+/// file has; a crop outside of the image; nothing in common (one has colours only, the other layers only);
 /// matching, aligning or changes requested of layers that are missing. Progress counts steps of the run.
 /// Cost: see docs/compare.md. Equal results on any number of threads.
 Comparison compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,

@@ -158,7 +158,7 @@ class DifferenceDrawer {
     if (map.categories.empty()) ticks_ = image::round_ticks(map.range, k_most_ticks);
     const int longest = std::max(map.width, map.height);
     shrink_ = (longest + longest_side - 1) / longest_side;
-    // Small pictures are shown larger, so that the legend does not dwarf them.
+    // Small images are shown larger, so that the legend does not dwarf them.
     enlarge_ = std::max(1, longest_side / 2 / longest);
     const auto pixels = [&](int count) { return (count + shrink_ - 1) / shrink_ * enlarge_; };
     const int top = k_margin + k_title_size + k_margin / 2 + 4;
@@ -178,7 +178,7 @@ class DifferenceDrawer {
   }
 
  private:
-  /// Those that occur, with their shares of the picture.
+  /// Those that occur, with their shares of the image.
   std::vector<MapCategory> rows() const {
     std::vector<std::size_t> counts(swatches_.size());
     for (std::size_t i = 0; i < map_.values.size(); ++i) {

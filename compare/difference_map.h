@@ -9,7 +9,7 @@
 #include "image/canvas.h"
 #include "image/point_color.h"
 
-// Maps of the differences of two pictures, as pictures.
+// Maps of the differences of two images, as images.
 
 namespace alidade::image {
 class Font;
@@ -41,7 +41,7 @@ struct DifferenceMap {
   /// Values are indices into this list, from no change to the strongest; empty: values are numbers.
   std::vector<MapCategory> categories{};
   int width = 0, height = 0;
-  /// NaN: there is nothing to compare. Infinite: only one picture has something there; plus the reference,
+  /// NaN: there is nothing to compare. Infinite: only one image has something there; plus the reference,
   /// minus the test (the other one's surface is infinitely far away).
   std::vector<float> values;
   ImageMask mask;                    ///< what does not count is not shown
@@ -58,7 +58,7 @@ DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMas
 
 /// Test minus reference of the depth layers, metres: positive is farther away in the test. Where a value is
 /// not is_depth(), there is nothing. The range is the 98th percentile of the magnitudes, to both sides, at
-/// least 1 mm; what only one picture has is distinguished. Both pictures must have depth and one size.
+/// least 1 mm; what only one image has is distinguished. Both images must have depth and one size.
 DifferenceMap depth_difference(const ComparedImage& reference, const ComparedImage& test,
                                const ImageMask& mask);
 

@@ -44,7 +44,7 @@ std::string stem_of(const std::string& name) {
   return fs::path(name).replace_extension().generic_string();
 }
 
-/// Name without extension -> how many pictures have it, and the last of those.
+/// Name without extension -> how many images have it, and the last of those.
 struct Stem {
   int count = 0;
   std::string name;

@@ -8,14 +8,14 @@
 
 namespace alidade::compare {
 
-/// Two pictures of a batch.
+/// Two images of a batch.
 struct ImagePair {
   std::string name;                       ///< for people: the path inside the folders, or the third column
   std::filesystem::path reference, test;  ///< empty: the other one has no counterpart
 };
 
-/// The pictures of two folders and of the folders in them, recognised by their extension, paired by path and
-/// name; by name without extension where that is unique on each side. By name, '/' as in paths. Pictures
+/// The images of two folders and of the folders in them, recognised by their extension, paired by path and
+/// name; by name without extension where that is unique on each side. By name, '/' as in paths. Images
 /// without a counterpart are pairs with one side empty. Errors: no folder, nothing to compare, an unreadable
 /// folder.
 std::vector<ImagePair> pairs_of_folders(const std::filesystem::path& reference,

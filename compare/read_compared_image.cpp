@@ -15,10 +15,10 @@ namespace alidade::compare {
 
 namespace {
 
-/// How to go through the stored picture so as to meet its pixels in upright order.
+/// How to go through the stored image so as to meet its pixels in upright order.
 struct Walk {
   bool is_turned;                     ///< rows and columns are exchanged
-  std::ptrdiff_t first, right, down;  ///< in pixels of the stored picture
+  std::ptrdiff_t first, right, down;  ///< in pixels of the stored image
 };
 
 Walk walk_of(int orientation, std::ptrdiff_t width, std::ptrdiff_t height) {
@@ -46,7 +46,7 @@ void turn(std::vector<Value>& values, const Walk& walk, std::ptrdiff_t width, st
 }
 
 /// Turns all layers as the EXIF field Orientation requests (1 to 8; others are taken as 1, upright).
-/// Source: CIPA DC-008 (Exif 2.32), 4.6.5.1, tag 274: which side of the picture row 0 and column 0 are.
+/// Source: CIPA DC-008 (Exif 2.32), 4.6.5.1, tag 274: which side of the image row 0 and column 0 are.
 void turn_upright(ComparedImage& image, int orientation) {
   if (orientation < 2 || orientation > 8) return;
   const Walk walk = walk_of(orientation, image.width, image.height);
@@ -223,7 +223,7 @@ class BandReader {
   }
 
  private:
-  /// Growing takes twice the memory for a while, which only pictures of one colour should need.
+  /// Growing takes twice the memory for a while, which only images of one colour should need.
   void reserve(std::uint64_t file_size) {
     constexpr std::uint64_t k_likely_pixels_per_byte = 64;
     const std::uint64_t likely =

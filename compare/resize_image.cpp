@@ -25,7 +25,7 @@ std::vector<float> filtered(const ComparedImage& image, const std::vector<float>
 }
 
 /// The filter swings below black beside bright pixels, which tone mappers would show as white rings. Nothing
-/// becomes darker than black, or than the darkest pixel where the picture itself has light below 0.
+/// becomes darker than black, or than the darkest pixel where the image itself has light below 0.
 void end_below(std::vector<float>& color, const std::vector<float>& source) {
   float least = 0.0f;
   for (const float value : source)

@@ -34,7 +34,7 @@ constexpr auto k_flip = k_color<&ColorFigures::flip, k_figure>;
 template <auto... k_members>
 constexpr auto k_matched = figure_of<&Comparison::matched, k_members...>;
 
-/// Of a layer; NaN if no pixel has it in both pictures: nothing was measured then, which is not good.
+/// Of a layer; NaN if no pixel has it in both images: nothing was measured then, which is not good.
 template <auto k_layer, auto k_figure>
 Value of_layer(const Comparison& comparison) {
   const auto& layer = comparison.layers.*k_layer;

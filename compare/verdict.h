@@ -31,7 +31,7 @@ struct MetricKind {
   std::string_view unit;   ///< "m", "%", or empty
   Better better;
   std::string_view note;  ///< explains it in tables
-  /// Its value; empty where the pictures lack the layers it requires.
+  /// Its value; empty where the images lack the layers it requires.
   std::optional<double> (*value)(const Comparison& comparison);
   /// Of a largest difference, where it is; null for other figures, empty where nothing differs.
   std::optional<MetricPosition> (*position)(const Comparison& comparison) = nullptr;
@@ -43,7 +43,7 @@ std::span<const MetricKind> metric_kinds();
 /// The figure of that name; null if there is none.
 const MetricKind* find_metric(std::string_view name);
 
-/// A figure with its value, which may be infinite (PSNR of equal pictures) or NaN (nothing counted).
+/// A figure with its value, which may be infinite (PSNR of equal images) or NaN (nothing counted).
 struct Metric {
   const MetricKind* kind;
   double value;
@@ -53,7 +53,7 @@ struct Metric {
 /// The label outside of tables: "FLIP, mean" of colours, "Depth: RMSE" of others.
 std::string full_label(const MetricKind& kind);
 
-/// The figures that these two pictures have, in the order of metric_kinds().
+/// The figures that these two images have, in the order of metric_kinds().
 std::vector<Metric> metrics_of(const Comparison& comparison);
 
 /// Which values go beyond a limit. The limit itself never does.
@@ -92,7 +92,7 @@ struct Verdict {
 };
 
 /// Judges a comparison; without thresholds it passes. NaN fails: what cannot be measured is not good enough.
-/// Errors: a threshold on a figure that these pictures lack (no depth layer, alignment not requested).
+/// Errors: a threshold on a figure that these images lack (no depth layer, alignment not requested).
 Verdict judge(const Comparison& comparison, const std::vector<Threshold>& thresholds);
 
 }  // namespace alidade::compare

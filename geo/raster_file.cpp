@@ -36,7 +36,7 @@ void add_band(void* dataset, const RasterBand& band, const RasterGrid& grid,
   if (!band.unit.empty()) GDALSetRasterUnitType(added, band.unit.c_str());
 }
 
-/// Hands the picture over in rows of tiles, band by band, so that the copy of the image stays small.
+/// Hands the image over in rows of tiles, band by band, so that the copy of the image stays small.
 void write_rows(void* dataset, const GroundImage& image, const FillRows& fill,
                 const std::filesystem::path& file) {
   constexpr int k_rows = 256;

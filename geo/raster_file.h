@@ -64,7 +64,7 @@ bool is_raster(const std::filesystem::path& file);
 /// cell, checked with that of a terrain.
 HeightRaster read_heights(const std::filesystem::path& file, const Progress& progress = {});
 
-/// A picture on the ground, but for its pixels.
+/// An image on the ground, but for its pixels.
 struct GroundImage {
   int width = 0, height = 0;
   /// World x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row, with (0, 0) the outer corner of

@@ -88,7 +88,7 @@ inline double air_mass(double elevation) {
 /// pressure / 1013.25). Depths at 610, 550 and 465 nm, for red, green and blue: Rayleigh's scattering as in
 /// Hansen and Travis, Light Scattering in Planetary Atmospheres, 1974, and haze as in Angstrom's formula 0.05
 /// (nm / 1000)^-1.3, which is rather clear air. Below the horizon none. Rounded to 1/10000, so that machines
-/// whose mathematical functions differ in the last bit get equal pictures.
+/// whose mathematical functions differ in the last bit get equal images.
 Rgb clear_sky_irradiance(double elevation, double pressure);
 
 /// The map of a scene.
@@ -114,7 +114,7 @@ struct PlacedSun {
 /// agree. Errors: neither latitude and longitude nor a map that gives them.
 PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map);
 
-/// One line for people and for the metadata of pictures.
+/// One line for people and for the metadata of images.
 std::string describe(const SunByTime& by_time, const PlacedSun& placed);
 
 }  // namespace alidade::geo

@@ -33,7 +33,7 @@ namespace alidade::simulation {
 ///     -45   houses across the street
 ///   x:   -33   -24.5         -5   0                  24.5  33
 ///
-/// A view to show: from (23, -15.2, 6.8) to (-5, 2.5, 1.2), vertical field of view 56 degrees, picture
+/// A view to show: from (23, -15.2, 6.8) to (-5, 2.5, 1.2), vertical field of view 56 degrees, image
 /// 3:2, the sun at azimuth 150, elevation 40: over cars and fountain to arcade and main house. Cost:
 /// about a tenth of a second.
 Site courtyard();

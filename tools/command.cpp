@@ -24,7 +24,7 @@
 namespace alidade::tools {
 namespace {
 
-/// Options of pictures that cannot change the picture itself, beside k_silent_options.
+/// Options of images that cannot change the image itself, beside k_silent_options.
 constexpr std::array<std::string_view, 11> k_image_options = {
     "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
     "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
@@ -34,18 +34,18 @@ bool names_one_of(std::string_view word, const Names& names) {
   return word.starts_with("--") && std::ranges::find(names, word.substr(2)) != names.end();
 }
 
-/// Flags that cannot change the picture: those of the list, and -q and -v alone or together.
+/// Flags that cannot change the image: those of the list, and -q and -v alone or together.
 bool is_silent_flag(std::string_view word) {
   if (names_one_of(word, k_silent_flags)) return true;
   return word.size() > 1 && word[0] == '-' && word.find_first_not_of("qv", 1) == std::string_view::npos;
 }
 
-/// Options that cannot change the picture, with the value in the next word.
+/// Options that cannot change the image, with the value in the next word.
 bool is_silent_option(std::string_view word) {
   return word == "-o" || names_one_of(word, k_silent_options) || names_one_of(word, k_image_options);
 }
 
-/// Options that cannot change the picture, with the value in the word itself.
+/// Options that cannot change the image, with the value in the word itself.
 bool holds_silent_option(std::string_view word) {
   if (word.starts_with("-o") && word.size() > 2) return true;
   const std::size_t end = word.find('=');

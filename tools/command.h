@@ -116,8 +116,8 @@ inline bool is_silent(std::string_view name, std::span<const std::string_view> o
 /// URL, other names as they are.
 std::string kept_name(const std::filesystem::path& given);
 
-/// The command line for metadata: names as kept_name(), without the options that do not affect the picture
-/// (outputs, threads, messages), so that equal pictures make equal files.
+/// The command line for metadata: names as kept_name(), without the options that do not affect the image
+/// (outputs, threads, messages), so that equal images make equal files.
 std::string metadata_command(const CommandLine& words);
 
 }  // namespace alidade::tools

@@ -285,7 +285,7 @@ ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& 
                            const ImageMask& mask) {
   require_colors(reference, test, "missing colours");
   const int channels = reference.color_channels == 1 && test.color_channels == 1 ? 1 : 3;
-  // Colours are stored three per pixel, in grey pictures three equal ones.
+  // Colours are stored three per pixel, in grey images three equal ones.
   const std::size_t step = channels == 1 ? 3 : 1;
   const float* const from = reference.color.data();
   const float* const to = test.color.data();

@@ -29,9 +29,9 @@ struct ErrorMetrics {
 ErrorMetrics error_metrics(std::span<const float> reference, std::span<const float> test, int channels,
                            int width, const ImageMask& mask = {});
 
-/// Errors of the colours of two pictures in sRGB values or in linear light, three channels (one if both are
+/// Errors of the colours of two images in sRGB values or in linear light, three channels (one if both are
 /// grey). Where both hold whole numbers of one kind and these are compared as stored, differences are
-/// those of the numbers, without a rounding. Errors: sizes differ, a picture without colour.
+/// those of the numbers, without a rounding. Errors: sizes differ, an image without colour.
 ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& test, ColorEncoding encoding,
                            const ImageMask& mask = {});
 
@@ -55,7 +55,7 @@ struct NormalMetrics {
   int max_x = -1, max_y = -1;
 };
 
-/// Ids, of the pixels where at least one picture sees something.
+/// Ids, of the pixels where at least one image sees something.
 struct IdMetrics {
   std::uint64_t pixels = 0, equal = 0;
   double percent_equal = 0.0;
@@ -69,7 +69,7 @@ struct AlphaMetrics {
   int max_x = -1, max_y = -1;
 };
 
-/// Of the layers that both pictures have; others are empty.
+/// Of the layers that both images have; others are empty.
 struct LayerMetrics {
   std::optional<DepthMetrics> depth;
   std::optional<AgreementMetrics> agreement;  ///< of depth, if at least one has its sigma

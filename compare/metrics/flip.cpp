@@ -16,7 +16,7 @@ namespace {
 // A tile with all its planes stays in the cache of a core.
 constexpr int k_tile_width = 256, k_tile_height = 96;
 
-/// Reads a tile and what surrounds it; beyond the picture its outermost pixels.
+/// Reads a tile and what surrounds it; beyond the image its outermost pixels.
 void load(FlipTile& tile, const PairPixels& pixels, int left, int top, int width, int height) {
   const int columns = tile.width() + 2 * tile.margin();
   for (int row = 0; row < tile.rows_with_margin(); ++row) {

@@ -45,16 +45,16 @@ struct FlipResult {
   int exposures = 0;  ///< 0: LDR-FLIP
 };
 
-/// FLIP, how different two pictures look to a person who sees them in turn: 0 not at all, 1 as much as can
+/// FLIP, how different two images look to a person who sees them in turn: 0 not at all, 1 as much as can
 /// be. The figures are over the pixels that count; all are 0 if none does. Pixels with NaN or infinite values
 /// do not. Weighted quantile q: the smallest map value at which the sum of all values up to it exceeds q of
 /// the whole sum.
 ///
-/// The map is symmetric in the pictures for FlipRange::display; otherwise exposures come from the reference.
+/// The map is symmetric in the images for FlipRange::display; otherwise exposures come from the reference.
 /// Borders: filters see the outermost pixels repeated. Equal bits on any thread count and instruction set.
 /// Source: HPG 2020 paper of FlipFilters; for HDR P. Andersson, J. Nilsson, P. Shirley, T. Akenine-Möller,
 /// "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics 2021; both as their tool 1.6 has
-/// them (within 1e-4). Errors: sizes differ, a picture without colour, options out of their ranges. Cost on 2
+/// them (within 1e-4). Errors: sizes differ, an image without colour, options out of their ranges. Cost on 2
 /// cores: about 0.04 s per million pixels, and in HDR 0.03 s more for each exposure. Memory: the map and some
 /// MB per thread. Progress counts tiles.
 FlipResult flip(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask = {},

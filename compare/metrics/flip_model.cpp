@@ -233,7 +233,7 @@ const FlipColor& flip_color() {
 ToneCurve tone_curve(ToneMapper mapper, double exposure) {
   ToneCurve curve;
   curve.kind = mapper == ToneMapper::reinhard ? ToneCurve::Kind::luminance : ToneCurve::Kind::rational;
-  // Beyond floats nothing is left of a picture, or all of it is white.
+  // Beyond floats nothing is left of an image, or all of it is white.
   curve.scale = static_cast<float>(image::exposure_scale(std::clamp(exposure, -149.0, 127.0)));
   std::ranges::transform(coefficients(mapper), curve.k, [](double k) { return static_cast<float>(k); });
   return curve;

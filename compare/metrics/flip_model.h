@@ -53,7 +53,7 @@ struct ToneCurve {
   float k[6] = {};
 };
 
-/// A piece of two pictures with the pixels around it that filters reach, and room to work in. Planes are rows
+/// A piece of two images with the pixels around it that filters reach, and room to work in. Planes are rows
 /// of `pitch` floats; those with a margin begin `margin` pixels to the left of and above the tile.
 class FlipTile {
  public:
@@ -69,13 +69,13 @@ class FlipTile {
   std::size_t pitch() const { return pitch_; }
   int rows_with_margin() const { return height_ + 2 * margin_; }
 
-  /// Linear light, with margin. picture: 0 reference, 1 test; channel 0 to 2.
+  /// Linear light, with margin. image: 0 reference, 1 test; channel 0 to 2.
   float* rgb(int image, int channel) { return wide(3 * image + channel); }
-  /// y, x - y, y - z of one picture, with margin.
+  /// y, x - y, y - z of one image, with margin.
   float* opponent(int channel) { return wide(6 + channel); }
   /// Filtered in x only, with a margin above and below, but no columns left and right.
   float* pass(int channel) { return wide(9 + channel); }
-  /// Without margin: the filtered channels of a picture, then what becomes of them, and its features.
+  /// Without margin: the filtered channels of an image, then what becomes of them, and its features.
   float* color(int image, int channel) { return narrow(3 * image + channel); }
   float* edges(int image) { return narrow(6 + image); }
   float* points(int image) { return narrow(8 + image); }
@@ -98,7 +98,7 @@ namespace simd {
 /// FLIP of a tile, compiled for one instruction set. All sets do the same operations in the same order, and
 /// no product is fused with a sum: the map has equal bits on every machine.
 struct FlipKernel {
-  /// Raises the tile's map to the FLIP values of its pictures at this exposure.
+  /// Raises the tile's map to the FLIP values of its images at this exposure.
   void (*add_exposure)(FlipTile& tile, const FlipFilters& filters, const ToneCurve& curve);
 };
 
@@ -123,8 +123,8 @@ ToneCurve tone_curve(ToneMapper mapper, double exposure);
 
 /// The exposures at which the tone mapper brings the brightest and the median pixel of the reference to 0.85,
 /// one per stop between them, at least 2. Source: Eurographics 2021, section 4.2.
-/// The authors' tool finds no end for pictures that are half black. Here the median is then that of the
-/// pixels with light; a picture without any light (or no pixel that counts) gives the single exposure 0.
+/// The authors' tool finds no end for images that are half black. Here the median is then that of the
+/// pixels with light; an image without any light (or no pixel that counts) gives the single exposure 0.
 /// Options that fix start, stop or count are obeyed. Errors: start above stop, not finite or beyond 1000
 /// stops, a count below 2 or above k_most_exposures.
 ExposureRange exposure_range(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,

@@ -120,7 +120,7 @@ HWY_INLINE FloatVector lab_curve(FloatVector value) {
   return hn::IfThenElse(hn::Gt(value, set(k_knee * k_knee * k_knee)), curved, line);
 }
 
-/// The filtered channels of a picture become colours as hunt_color() makes them.
+/// The filtered channels of an image become colours as hunt_color() makes them.
 void to_hunt(FlipTile& tile, int image) {
   const FloatLanes d;
   const FlipColor& color = flip_color();

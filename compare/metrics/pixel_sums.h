@@ -20,12 +20,12 @@ inline const image::CurveTable* curve_of(const ComparedImage& image, ColorEncodi
                                            : &image::srgb_from_linear_table();
 }
 
-/// The colours of two pictures as filters read them. Where a pixel does not count, or is not finite in one of
+/// The colours of two images as filters read them. Where a pixel does not count, or is not finite in one of
 /// them, both have one colour (the reference's if it is finite, else the test's, else black), so that
 /// excluded pixels do not affect their neighbours either.
 class PairPixels {
  public:
-  /// The pictures must be of equal size, have colour, and outlive this; so must the mask.
+  /// The images must be of equal size, have colour, and outlive this; so must the mask.
   PairPixels(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
              ColorEncoding encoding)
       : mask_(mask),
@@ -165,7 +165,7 @@ float weighted_rank(std::size_t size, const ValueAt& value_at, const FloatCounts
   return value;
 }
 
-// Sums over the rows of a picture, equal on any number of threads.
+// Sums over the rows of an image, equal on any number of threads.
 
 /// Runs row(y, its sums) for all rows, in parallel, and adds the sums up from the top.
 template <class Sums, class Row>

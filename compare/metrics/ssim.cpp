@@ -48,7 +48,7 @@ void filter(const double* __restrict from, std::ptrdiff_t step, int width, doubl
   }
 }
 
-/// One channel of a piece of two pictures, in double: variances are small differences of large numbers.
+/// One channel of a piece of two images, in double: variances are small differences of large numbers.
 class SsimTile {
  public:
   static constexpr int k_most_width = 128, k_most_height = 64;
@@ -66,7 +66,7 @@ class SsimTile {
   int columns_with_margin() const { return width_ + 2 * k_ssim_reach; }
   int rows_with_margin() const { return height_ + 2 * k_ssim_reach; }
 
-  /// Values of a row of a picture (0 reference, 1 test), with k_ssim_reach more on each side; row 0 is the
+  /// Values of a row of an image (0 reference, 1 test), with k_ssim_reach more on each side; row 0 is the
   /// highest above the tile.
   double* values(int image, int row) {
     return values_[static_cast<std::size_t>(image)].data() + static_cast<std::ptrdiff_t>(row) * k_pitch;
@@ -134,7 +134,7 @@ struct Room {
   SsimTile tile;
 };
 
-/// The similarity of the pictures that `pixels` has, pair by pair.
+/// The similarity of the images that `pixels` has, pair by pair.
 template <class Pixels>
 struct Windows {
   const Pixels& pixels;
@@ -159,7 +159,7 @@ struct Windows {
     return means(sums);
   }
 
-  /// Windows that reach beyond the picture do not count, whatever the values there.
+  /// Windows that reach beyond the image do not count, whatever the values there.
   void load(Room& room, int left, int top) const {
     room.pairs.clear();
     for (int row = 0; row < room.tile.rows_with_margin(); ++row) {
@@ -215,7 +215,7 @@ struct Windows {
   }
 };
 
-/// Two pictures at half the size of two others.
+/// Two images at half the size of two others.
 struct HalfImages {
   int width = 0, height = 0;
   std::vector<PairPixels::Pair> pairs;

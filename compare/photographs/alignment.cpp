@@ -18,7 +18,7 @@
 namespace alidade::compare {
 namespace {
 
-// When a shift is certain. Pictures of different things reach scores of 0.02, a render of a scan and its
+// When a shift is certain. Images of different things reach scores of 0.02, a render of a scan and its
 // photograph 0.5; where edges run in one direction only, the peak is a ridge.
 constexpr double k_least_score = 0.1, k_most_of_rival = 0.8, k_least_sharpness = 0.005;
 
@@ -199,7 +199,7 @@ double best_rival(const std::vector<Candidate>& candidates) {
   return 0.0;
 }
 
-/// Halvings after which the search reaches few pixels and the picture is still large enough.
+/// Halvings after which the search reaches few pixels and the image is still large enough.
 int level_count(const ComparedImage& image, int largest_shift) {
   constexpr int k_least_side = 48, k_coarse_reach = 4;
   int levels = 1;
@@ -212,7 +212,7 @@ int level_count(const ComparedImage& image, int largest_shift) {
   return levels;
 }
 
-/// Of a level: the largest shift, as long as anything of both pictures still lies on each other.
+/// Of a level: the largest shift, as long as anything of both images still lies on each other.
 Reach reach_of(const ComparedImage& image, int largest_shift, int level) {
   const auto halved = [&](int length) { return (length + (1 << level) - 1) >> level; };
   return {std::min(halved(largest_shift), halved(image.width) - 1),
@@ -221,7 +221,7 @@ Reach reach_of(const ComparedImage& image, int largest_shift, int level) {
 
 /// Errors: the coarsest level, on which all shifts are tried, is too large for that.
 void check_work(const ComparedImage& image, int largest_shift, int level) {
-  // Half a minute on two cores. Only pictures a thousand times as long as they are wide come near it.
+  // Half a minute on two cores. Only images a thousand times as long as they are wide come near it.
   constexpr double k_most_work = 68719476736.0;
   const Reach reach = reach_of(image, largest_shift, level);
   const double pixels = std::ldexp(static_cast<double>(image.pixels()), -2 * level);

@@ -174,11 +174,11 @@ class LineFitter {
   std::vector<double> weights_, residuals_, sorted_;
 };
 
-/// Blocks along the longer side of the picture, about.
+/// Blocks along the longer side of the image, about.
 constexpr int k_blocks_per_side = 64;
 constexpr std::size_t k_least_blocks = 16;
 
-/// Mean light of a block in both pictures.
+/// Mean light of a block in both images.
 struct Block {
   std::array<double, 3> reference{}, test{};
   int pixels = 0;

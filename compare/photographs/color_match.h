@@ -47,21 +47,21 @@ struct ColorMatch {
 };
 
 /// Fits the test to the reference, per channel, by least trimmed squares: the half of the blocks that can be
-/// fitted best decides, so that up to half of the picture may show something else. Blocks are squares of
-/// pixels, about 64 of them along the longer side of the picture; a block's value is the mean, in linear
-/// light, of those of its pixels that count: in the mask, finite, opaque, and in display-encoded pictures not
+/// fitted best decides, so that up to half of the image may show something else. Blocks are squares of
+/// pixels, about 64 of them along the longer side of the image; a block's value is the mean, in linear
+/// light, of those of its pixels that count: in the mask, finite, opaque, and in display-encoded images not
 /// at the ends of the codes, where cameras clip. Means of blocks have little noise and bear a few pixels of
 /// misalignment. The fit is then repeated once over all blocks within 2.5 robust standard deviations, which
 /// are the inliers.
 /// Empty if fewer than 16 blocks are left, or if a channel does not vary enough (black; for affine:
-/// of one value). Both pictures must have colours and one size. Cost: one pass over the pixels, then some
+/// of one value). Both images must have colours and one size. Cost: one pass over the pixels, then some
 /// milliseconds per channel. Equal results on any number of threads. Source: P. J. Rousseeuw, K. Van
 /// Driessen, Computing LTS Regression for Large Data Sets, Data Mining and Knowledge Discovery 12 (2006):
 /// random starts, concentration steps, reweighted least squares.
 std::optional<ColorMatch> match_color(const ComparedImage& reference, const ComparedImage& test,
                                       const ImageMask& mask, ColorModel model);
 
-/// Replaces the colours of a picture by the matched ones, in its own encoding: display-encoded pictures are
+/// Replaces the colours of an image by the matched ones, in its own encoding: display-encoded images are
 /// cut off at 0 and 1, linear ones are not.
 void apply_color_match(ComparedImage& image, const ColorMatch& match);
 

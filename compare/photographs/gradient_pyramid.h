@@ -8,7 +8,7 @@
 
 namespace alidade::compare {
 
-/// Gradients of a picture at one resolution, in steps of 1/127: g / sqrt(|g|^2 + s^2), s the root mean square
+/// Gradients of an image at one resolution, in steps of 1/127: g / sqrt(|g|^2 + s^2), s the root mean square
 /// of |g| over the pixels that count. Whole numbers, so that sums over them are exact in any order.
 struct GradientLevel {
   int width = 0, height = 0;
@@ -17,7 +17,7 @@ struct GradientLevel {
   std::uint64_t counted_pixels = 0;
 };
 
-/// Gradients of the luminance of the display-referred colours; level 0 has the picture's size, each further
+/// Gradients of the luminance of the display-referred colours; level 0 has the image's size, each further
 /// one half of it, rounded up. A pixel (x, y) of a level is at (2 x, 2 y) of the one before. What counts:
 /// compare/photographs/alignment.h. Pixels whose neighbours count for more than half in the binomial filter
 /// count as well, so that single holes close. Requires levels >= 1. Memory: 8 bytes per pixel beside the

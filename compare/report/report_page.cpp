@@ -11,7 +11,7 @@
 namespace alidade::compare {
 namespace {
 
-/// A picture of the page.
+/// An image of the page.
 struct PageImage {
   std::string id, title;
   const image::ByteImage* image = nullptr;

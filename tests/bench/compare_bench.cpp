@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// compare_bench [WIDTH HEIGHT [REPEATS]]: measures the time of each metric for a pair of generated pictures
-// (default: 4096 x 2160, five times each) and the memory that it needs beside the pictures. Prints the rows
+// compare_bench [WIDTH HEIGHT [REPEATS]]: measures the time of each metric for a pair of generated images
+// (default: 4096 x 2160, five times each) and the memory that it needs beside the images. Prints the rows
 // of a table in Markdown.
 #include <algorithm>
 #include <chrono>

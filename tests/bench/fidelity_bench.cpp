@@ -88,7 +88,7 @@ class Bench {
   }
 
  private:
-  /// Pictures of one size beside each other.
+  /// Images of one size beside each other.
   void write_sheet(std::span<const image::Film> films, double exposure, const std::string& name) const {
     const image::Film& first = films.front();
     const std::vector<image::Layer> layers = {image::Layer::color};

@@ -129,7 +129,7 @@ TEST(ColorMatch, pixels_that_do_not_count_play_no_role) {
   mask.counts.assign(test.pixels(), 1);
   test.alpha.assign(test.pixels(), 1.0f);
   test.depth.assign(test.pixels(), 1.0f);
-  // Three quarters of the picture are wrong, more than robustness bears.
+  // Three quarters of the image are wrong, more than robustness bears.
   for (std::size_t pixel = 0; pixel < test.pixels(); ++pixel) {
     const std::size_t row = pixel / 300;
     if (row >= 150) continue;

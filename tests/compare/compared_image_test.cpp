@@ -190,7 +190,7 @@ TEST_F(ComparedImageTest, a_file_with_layers_only_has_no_colour) {
   EXPECT_EQ(image.depth, (std::vector<float>{1, 2, 3, 4}));
 }
 
-// A picture of 3 x 2 pixels seen upright is
+// An image of 3 x 2 pixels seen upright is
 //   a b c
 //   d e f
 // Stored with orientation N its row 0 and column 0 are the sides that the Exif table (tag 274) names.

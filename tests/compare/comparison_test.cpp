@@ -93,7 +93,7 @@ TEST_F(ComparisonTest, another_size_is_an_error_of_its_own_unless_the_test_is_re
   EXPECT_NE(comparison.remarks[0].find("resized from 32 x 24"), std::string::npos) << comparison.remarks[0];
 }
 
-// EXR files may hold a part of a larger picture: their data window.
+// EXR files may hold a part of a larger image: their data window.
 TEST_F(ComparisonTest, a_resized_test_and_a_mask_do_not_need_the_data_window_of_the_reference) {
   OIIO::ImageSpec spec(k_width, k_height, 3, OIIO::TypeFloat);
   spec.x = 100;

@@ -11,7 +11,7 @@ namespace alidade::test {
 
 using namespace compare;
 
-/// A picture of so many pixels with the values of `color(x, y)`, three numbers each.
+/// An image of so many pixels with the values of `color(x, y)`, three numbers each.
 template <typename Color>
 ComparedImage draw_image(int width, int height, ColorEncoding encoding, const Color& color) {
   ComparedImage image;

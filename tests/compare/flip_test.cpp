@@ -32,7 +32,7 @@ double flip_of_uniform(ColorEncoding encoding, glm::vec3 one, glm::vec3 other) {
   return result.mean;
 }
 
-// Filters do not change a picture of one colour, and it has no features. What is left is HyAB^0.7 of the
+// Filters do not change an image of one colour, and it has no features. What is left is HyAB^0.7 of the
 // colours, redistributed: below 0.4 of the largest, 41.2761, proportional with 0.95 at the knee, 16.5105.
 TEST(Flip, images_of_one_colour_give_what_the_paper_says) {
   // Black and white differ by 100 in lightness: 100^0.7 = 25.1189; 0.95 + 0.05 (25.1189 - 16.5105) / 24.7657.

@@ -12,7 +12,7 @@ namespace alidade::test {
 
 using ImageTexts = std::vector<std::pair<std::string, std::string>>;
 
-/// A test with an empty folder of its own and pictures in it.
+/// A test with an empty folder of its own and images in it.
 class ImageFilesTest : public ::testing::Test {
  protected:
   void SetUp() override;

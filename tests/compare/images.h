@@ -12,7 +12,7 @@ namespace alidade::test {
 
 using namespace compare;
 
-/// A picture of one colour.
+/// An image of one colour.
 inline ComparedImage uniform_image(int width, int height, ColorEncoding encoding, float red, float green,
                                    float blue) {
   ComparedImage image;

@@ -27,7 +27,7 @@ std::filesystem::path shared(const std::string& name) {
   return std::filesystem::path(ALIDADE_SHARED_DATA) / "scene_sceaux" / name;
 }
 
-/// The camera of the photo 00004.jpg, for pictures of half its size.
+/// The camera of the photo 00004.jpg, for images of half its size.
 Camera photo_camera() {
   std::ifstream stream(shared("cameras.json"));
   const nlohmann::json file = nlohmann::json::parse(stream);

@@ -22,7 +22,7 @@ class PlainFlip {
   PlainFlip(int width, int height, double pixels_per_degree)
       : width_(width), height_(height), pixels_per_degree_(pixels_per_degree) {}
 
-  /// The map of two pictures of linear light in 0 .. 1, three values per pixel.
+  /// The map of two images of linear light in 0 .. 1, three values per pixel.
   std::vector<double> map(const std::vector<double>& reference, const std::vector<double>& test) const {
     const Looks one = looks(reference), other = looks(test);
     const Color green = hunt({0, 1, 0}), blue = hunt({0, 0, 1});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Nine pairs of pictures with the values that other programs give for them: the FLIP tool of its authors
+// Nine pairs of images with the values that other programs give for them: the FLIP tool of its authors
 // (version 1.6), scikit-image 0.19.3 and NumPy. The file with the values has the settings.
 #include <gtest/gtest.h>
 

@@ -72,7 +72,7 @@ ComparedImage seen(const std::filesystem::path& cloud) {
   return image;
 }
 
-/// Both scans and their pictures from one camera. The noise of the second scan has its own seed.
+/// Both scans and their images from one camera. The noise of the second scan has its own seed.
 struct TwoScans {
   Site site = courtyard();
   std::filesystem::path before = scanned(site, "with_car.las", 1),

@@ -30,7 +30,7 @@ class ReportTest : public ImageFilesTest {
     if (!chromium_program()) GTEST_SKIP() << "pages are tested with chromium only (apt-get install chromium)";
   }
 
-  /// Two pictures of 120 x 80 pixels: a wave, and the same with two bright squares.
+  /// Two images of 120 x 80 pixels: a wave, and the same with two bright squares.
   void write_images() {
     std::vector<float> wave(120 * 80 * 3);
     for (std::size_t i = 0; i < wave.size(); ++i)

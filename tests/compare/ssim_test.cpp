@@ -15,7 +15,7 @@ using namespace compare;
 
 namespace {
 
-/// One channel of a picture.
+/// One channel of an image.
 struct Plane {
   int width = 0, height = 0;
   std::vector<double> values;
@@ -103,7 +103,7 @@ TEST(Ssim, images_of_one_colour_give_what_the_paper_says) {
   EXPECT_NEAR(similarity(one, other).ssim, expected, 1e-9);
 }
 
-// Such pictures have equal contrast at all scales, and other means count at the last one only.
+// Such images have equal contrast at all scales, and other means count at the last one only.
 TEST(Ssim, five_scales_see_other_means_at_the_last_one) {
   const ComparedImage one = uniform_image(170, 165, ColorEncoding::display, 0.5f, 0.25f, 1.0f);
   const ComparedImage other = uniform_image(170, 165, ColorEncoding::display, 0.25f, 0.25f, 0.0f);

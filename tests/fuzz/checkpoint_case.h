@@ -4,7 +4,7 @@
 #include "renderer/checkpoint.h"
 #include "renderer/noise.h"
 
-// The picture whose checkpoints are fuzzed.
+// The image whose checkpoints are fuzzed.
 
 namespace alidade::test {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Any text as thresholds and as a table of pairs: an Error, or thresholds that read the same when written
-// again and pairs that name two pictures.
+// again and pairs that name two images.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

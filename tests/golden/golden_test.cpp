@@ -5,10 +5,10 @@
 #include "compare/report/page.h"
 #include "tests/tools/run_program.h"
 
-// Pictures that must stay as they are: the last net behind the tests of light, cameras and colours. The same
+// Images that must stay as they are: the last net behind the tests of light, cameras and colours. The same
 // compiler gives the same bytes; other ones may round elsewhere, which the thresholds allow.
 //
-// After an intended change of pictures, write them again and check the differences before committing them:
+// After an intended change of images, write them again and check the differences before committing them:
 //   ALIDADE_WRITE_GOLDEN=1 build/release/tests/golden/golden_test
 
 namespace alidade::test {
@@ -40,7 +40,7 @@ class GoldenTest : public ProgramTest {
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
 
-  /// Judges a picture of the test's folder by the one of that name beside this file; where it fails, leaves a
+  /// Judges an image of the test's folder by the one of that name beside this file; where it fails, leaves a
   /// report to look at.
   void expect_golden(const std::string& image, const std::string& thresholds) const {
     const fs::path golden = k_sources / "tests/golden" / image;

@@ -9,7 +9,7 @@
 #include "renderer/load_cloud.h"
 #include "tools/render/site_surfaces.h"
 
-// Measures how far pictures of a scan are from pictures of the site that was scanned: camera, integrator and
+// Measures how far images of a scan are from images of the site that was scanned: camera, integrator and
 // random numbers are equal, and only the answers to rays differ.
 
 namespace alidade::test {
@@ -37,16 +37,16 @@ std::vector<FidelityView> fidelity_views(int width);
 /// The scene of the courtyard (scenes/courtyard.json) without a cloud or a camera.
 renderer::Scene courtyard_light();
 
-/// A picture of the site or of a scan: colour, depth, normals, positions, and sigma of the depth. `scene` has
+/// An image of the site or of a scan: colour, depth, normals, positions, and sigma of the depth. `scene` has
 /// a camera. seconds: of rendering all but sigma.
 image::Film exact_image(renderer::Scene scene);
 image::Film image_of(renderer::Scene scene, const renderer::LoadedCloud& cloud, double* seconds = nullptr);
 
 struct Fidelity {
-  // Over the pixels whose centres see a surface in both pictures.
+  // Over the pixels whose centres see a surface in both images.
   double depth_median = 0.0, depth_p95 = 0.0;  ///< of absolute differences, metres
   double far_off = 0.0;                        ///< share of differences above 10 cm
-  double surprises = 0.0;                      ///< share of differences above 3 sigma of the picture
+  double surprises = 0.0;                      ///< share of differences above 3 sigma of the image
   double sigma_median = 0.0;                   ///< metres
   // Over interior pixels only: neither they nor the eight around them are beside a jump of the true depth.
   double interior_p95 = 0.0;   ///< metres
@@ -54,7 +54,7 @@ struct Fidelity {
   /// How much thicker silhouettes are than in truth, metres: the area, at its own depth, that is more than
   /// half a metre nearer than the truth, over the length of the true silhouettes. To be read as a ratio.
   double grown = 0.0;
-  /// Share of the true surface where the picture has nothing, or something more than half a metre behind.
+  /// Share of the true surface where the image has nothing, or something more than half a metre behind.
   double holes = 0.0;
   // Of the colours as a display shows them.
   double flip = 0.0, ssim = 0.0, psnr = 0.0;

@@ -14,7 +14,7 @@ namespace {
 
 class CompareOptionsTest : public CompareTest {
  protected:
-  /// A grey picture as text, of numbers 0 .. 255.
+  /// A grey image as text, of numbers 0 .. 255.
   template <typename Value>
   void draw(const std::string& name, int width, int height, const Value& value) {
     std::string text = "P2\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";

@@ -9,14 +9,14 @@ namespace alidade::test {
 
 using nlohmann::json;
 
-/// `alidade compare` on pictures that the program itself renders, or that are written as text.
+/// `alidade compare` on images that the program itself renders, or that are written as text.
 class CompareTest : public ProgramTest {
  protected:
   void SetUp() override {
     ProgramTest::SetUp();
     write_square("square.csv");
   }
-  /// A picture of the square from above, of so many pixels.
+  /// An image of the square from above, of so many pixels.
   void render(const std::string& file, const std::string& size = "32x24",
               const std::vector<std::string>& further = {}) {
     std::vector<std::string> words{"render",    "--cloud", "square.csv", "--size", size,

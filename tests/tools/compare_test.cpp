@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests/tools/compare_program.h"
 
-// `alidade compare` on pictures that the program itself renders.
+// `alidade compare` on images that the program itself renders.
 
 namespace alidade::test {
 namespace {

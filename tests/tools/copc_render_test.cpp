@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures of COPC files: the bytes are those of the decoded cloud, and there is something to see before all
+// Images of COPC files: the bytes are those of the decoded cloud, and there is something to see before all
 // points are read.
 #include <algorithm>
 #include <fstream>
@@ -30,7 +30,7 @@ class CopcRenderTest : public ProgramTest {
 TEST_F(CopcRenderTest, the_image_is_that_of_the_decoded_cloud_byte_for_byte) {
   const auto file = shared_data("lidar_rgb/lion_takanawa.copc.laz");
   if (!file) GTEST_SKIP() << absent("../shared/data/lidar_rgb/lion_takanawa.copc.laz");
-  // Pictures name their clouds.
+  // Images name their clouds.
   std::filesystem::copy_file(*file, folder / "site");
   ASSERT_EQ(render("direct.png").exit_code, 0);
   const ProgramResult converted = run({"convert", "site", "-o", "decoded.las"});

@@ -31,7 +31,7 @@ TEST_F(DatabaseCloudTest, answers_and_images_are_those_of_the_file) {
   EXPECT_EQ(query("yard.db"), answers);
   EXPECT_EQ(query("yard.db?table=points"), answers);
 
-  // Pictures contain the name of their cloud, so both get the same name.
+  // Images contain the name of their cloud, so both get the same name.
   for (const char* const kind : {"las", "db"}) {
     std::filesystem::rename(folder / (std::string("yard.") + kind), folder / "cloud");
     done({"render", "--cloud", "cloud", "--size", "60x40", "--samples", "2", "-o",
@@ -74,7 +74,7 @@ TEST_F(DatabaseCloudTest, queries_read_the_chunks_they_need) {
   EXPECT_TRUE(read("yard.db.none.las") == read("yard.las.none.las"));
 }
 
-/// Where no light comes from elsewhere, the part in view makes the same picture.
+/// Where no light comes from elsewhere, the part in view makes the same image.
 TEST_F(DatabaseCloudTest, images_of_what_the_camera_sees) {
   write("camera.json",
         R"({"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"horizontal_fov": 40},

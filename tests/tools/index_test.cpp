@@ -84,7 +84,7 @@ TEST_F(IndexTest, info_for_people_names_sources_and_index_facts) {
   }
 }
 
-/// Renders a LAS file, and its index under the same name, so that the metadata of the pictures are the same
+/// Renders a LAS file, and its index under the same name, so that the metadata of the images are the same
 /// too.
 class IndexImageTest : public IndexTest {
  protected:
@@ -95,7 +95,7 @@ class IndexImageTest : public IndexTest {
         run({"generate", "courtyard", "--points", "5000", "-o", "cloud", "-q", "--overwrite"}).exit_code, 0);
     write("scene.json", R"({"version": 1, "cloud": {"files": ["cloud"], )" + cloud + "}}");
     const std::string of_las = render(image);
-    // A picture contains the name of its cloud; the index gets the name of its source.
+    // An image contains the name of its cloud; the index gets the name of its source.
     ASSERT_EQ(
         run({"index", "cloud", "-o", "cloud.alidade", "--overwrite", "-q", "--organisation", organisation})
             .exit_code,

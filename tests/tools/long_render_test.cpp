@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures that take long: ends by time and noise, previews, checkpoints.
+// Images that take long: ends by time and noise, previews, checkpoints.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -58,7 +58,7 @@ class LongRenderTest : public ProgramTest {
   }
 
   /// Starts the program again and again until it has been killed so often, and has resumed at least once;
-  /// then lets it end. Whenever it ends before, its picture must be the expected one, too.
+  /// then lets it end. Whenever it ends before, its image must be the expected one, too.
   void kill_and_resume(const Words& words, const std::string& image, const std::string& expected, int kills) {
     Random random(image);
     resumed_ = 0;
@@ -253,7 +253,7 @@ TEST_F(LongRenderTest, set_of_images_goes_on_with_the_one_under_way) {
       ++kill;
     } else {
       ASSERT_FALSE(HasFailure());
-      // Done before the last kill: once more from the second picture on.
+      // Done before the last kill: once more from the second image on.
       std::filesystem::remove(folder / "out1.exr");
       std::filesystem::remove(folder / "out2.exr");
     }

@@ -11,7 +11,7 @@ namespace {
 class MalformedTest : public ProgramTest {
  protected:
   /// Every file of the folder ends with a result or an error that names it; nothing is left of a failed
-  /// picture.
+  /// image.
   void expect_result_or_named_error(const std::filesystem::path& file) {
     for (const std::vector<std::string>& words :
          std::vector<std::vector<std::string>>{{"info", file},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parts of pictures that are rendered apart, and merged.
+// Parts of images that are rendered apart, and merged.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -28,7 +28,7 @@ class MergeTest : public ProgramTest {
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
 
-  /// Renders all parts of a picture.
+  /// Renders all parts of an image.
   void render_parts(const Words& words, const std::string& image, int count) {
     for (int number = 1; number <= count; ++number)
       ok(with(words, {"-o", image, fmt::format("--part={}/{}", number, count)}));
@@ -78,7 +78,7 @@ TEST_F(MergeTest, parts_hold_no_absolute_paths_and_those_of_other_folders_give_t
   ok(with(with({"merge"}, parts), {"-o", "merged.exr"}));
   ok(with(k_render, {"-o", "whole.exr"}));
   EXPECT_TRUE(read("merged.exr") == read("whole.exr"));
-  // Another cloud of the same name is another picture.
+  // Another cloud of the same name is another image.
   write("there/square.xyz", read("square.xyz") + "101 201 6\n");
   ok({"render", "--cloud", folder / "there" / "square.xyz", "--size=80x60", "--samples=4", "-o",
       folder / "there" / "a.exr", "--part=2/2", "--overwrite"});

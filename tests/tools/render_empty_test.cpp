@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures, depth maps and rasters that show nothing: they are written, named, and the exit code is 1.
+// Images, depth maps and rasters that show nothing: they are written, named, and the exit code is 1.
 #include <fmt/format.h>
 
 #include "cloud/las/write_las.h"

@@ -19,7 +19,7 @@ class RenderLightTest : public ProgramTest {
     words.insert(words.begin(), {"--cloud", "square.xyz", "-o", "out.png"});
     return render(words);
   }
-  /// The pixels of the picture, without its header.
+  /// The pixels of the image, without its header.
   std::string pixels(const std::string& name) const {
     const std::string content = read(name);
     return content.substr(content.find("IDAT"));
@@ -136,7 +136,7 @@ TEST_F(RenderLightTest, a_panorama_is_a_sky) {
   const ProgramResult result = render({"scene.json", "-o", "ball.png"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.err, "sky from sky.exr, 24 x 16 pixels")) << result.err;
-  // The sky itself is safe from being overwritten by its picture.
+  // The sky itself is safe from being overwritten by its image.
   EXPECT_EQ(render({"scene.json", "-o", "sky.exr"}).exit_code, 2);
   EXPECT_EQ(run({"render", "scene.json", "-o", "missing.png", "-q"}).exit_code, 0);
   std::filesystem::remove(folder / "sky.exr");

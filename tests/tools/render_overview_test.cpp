@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures without a scene: framing, brightness, background; and rasters of the ground.
+// Images without a scene: framing, brightness, background; and rasters of the ground.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 

@@ -57,7 +57,7 @@ TEST(PhotoFrame, what_a_distortion_folds_back_is_not_in_the_frame) {
 
 TEST(PhotoFrame, the_cone_leaves_out_nothing_that_is_in_the_frame) {
   camera::Camera camera = vertical_camera();
-  camera.cx = 700.0;  // off the middle, as of a cropped picture
+  camera.cx = 700.0;  // off the middle, as of a cropped image
   camera.lens = camera::BrownLens{.distortion = {.radial = {-0.1, 0.02}, .p1 = 0.002, .p2 = -0.003}};
   const PhotoFrame frame(camera);
   const camera::Projection projection(camera);

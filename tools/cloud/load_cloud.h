@@ -50,7 +50,7 @@ Octree with_surfaces_shown(const Octree& octree, Verbosity verbosity);
 /// changes its points. Errors: those of opening a table on a server.
 bool has_parts(const CloudInput& input);
 
-/// Errors: x and y of a cloud are degrees, and z is a length: distances are undefined, so that pictures would
+/// Errors: x and y of a cloud are degrees, and z is a length: distances are undefined, so that images would
 /// be hairlines and answers about sight wrong.
 void check_map_unit(const Crs& crs, const CloudInputs& clouds);
 

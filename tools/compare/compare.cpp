@@ -159,7 +159,7 @@ struct MapOutput {
   const compare::DifferenceMap* map;
 };
 
-/// Errors: the pictures have no such map.
+/// Errors: the images have no such map.
 std::vector<MapOutput> maps_to_write(const CompareRequest& request, const compare::ComparisonImages& images) {
   std::vector<MapOutput> outputs;
   const auto add = [&](const fs::path& file, const std::optional<compare::DifferenceMap>& map,

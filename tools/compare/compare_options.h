@@ -11,7 +11,7 @@
 
 namespace alidade::tools {
 
-/// Points behind regions of change: the cloud that a picture was made of, and where its points go.
+/// Points behind regions of change: the cloud that an image was made of, and where its points go.
 struct RegionPointsRequest {
   std::filesystem::path cloud, output;
 };
@@ -40,14 +40,14 @@ void add_compare_options(const Options& command, CompareRequest& request);
 
 // Checks of a request before pixels are read.
 
-/// Whether many pairs of pictures are requested.
+/// Whether many pairs of images are requested.
 bool is_batch(const CompareRequest& request);
 
-/// Errors that need no picture: missing or surplus operands, options that exclude each other, outputs that
+/// Errors that need no image: missing or surplus operands, options that exclude each other, outputs that
 /// cannot be written or would replace an input.
 void check_request(const CompareRequest& request);
 
-/// Checks the outputs of a batch. Errors: the summary would replace one of its pictures.
+/// Checks the outputs of a batch. Errors: the summary would replace one of its images.
 void check_pairs(const CompareRequest& request, const std::vector<compare::ImagePair>& pairs);
 
 }  // namespace alidade::tools

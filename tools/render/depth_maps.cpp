@@ -67,7 +67,7 @@ void check_names(const DepthPlan& plan, std::span<const fs::path> inputs, std::s
   }
 }
 
-/// The metadata of a picture without the settings of light.
+/// The metadata of an image without the settings of light.
 std::vector<std::pair<std::string, std::string>> texts_of(const renderer::ImageMetadata& metadata,
                                                           const DepthPlan& plan) {
   auto texts = renderer::metadata_texts(metadata);

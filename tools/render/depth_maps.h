@@ -12,7 +12,7 @@
 #include "renderer/image_metadata.h"
 #include "tools/render/views.h"
 
-// Depth maps beside the pictures of `alidade render`, or instead of them: docs/depth.md.
+// Depth maps beside the images of `alidade render`, or instead of them: docs/depth.md.
 
 namespace alidade::tools {
 
@@ -58,7 +58,7 @@ struct ExistingFiles {
   bool overwrite = false, skip = false;
 };
 
-/// Lets a run fail before it starts. `views` are those of the pictures; empty if one view of the cloud is
+/// Lets a run fail before it starts. `views` are those of the images; empty if one view of the cloud is
 /// chosen after loading: the caller then fills it in. `inputs` are all files that are read, `outputs` all
 /// other files that are written. Errors: an extension that is not the format's; names of a set as of
 /// image_names(); a file that would be written twice, exists, or cannot be written; --transforms-out
@@ -72,7 +72,7 @@ DepthPlan plan_depth_maps(const DepthRequest& request, const CameraRequest& came
 void warn_of_spheres(const renderer::Scene& scene, const renderer::LoadedCloud& cloud, Verbosity verbosity);
 
 /// Writes the maps one after the other, then the transforms.json; warns of depths that the format cannot
-/// hold. `metadata` is that of the picture of a view; `empty` gets the views whose maps hold no depth.
+/// hold. `metadata` is that of the image of a view; `empty` gets the views whose maps hold no depth.
 /// Errors: write failures; Cancelled.
 void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                       const std::function<renderer::ImageMetadata(const View&)>& metadata, EmptyViews& empty,

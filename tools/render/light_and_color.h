@@ -33,10 +33,10 @@ void add_light_options(const Options& render, LightRequest& request);
 /// the mode does not use.
 void apply_light_options(const LightRequest& request, renderer::Scene& scene);
 
-/// Error, naming the option, unless the scene's pictures show light of the sun and of surfaces.
+/// Error, naming the option, unless the scene's images show light of the sun and of surfaces.
 void require_path_mode(const renderer::Scene& scene, const std::string& option);
 
-/// Reads the picture of the scene's sky, if it has one and its mode shows it, and prints its warnings.
+/// Reads the image of the scene's sky, if it has one and its mode shows it, and prints its warnings.
 /// Errors: as read_sky_image, naming the scene file.
 void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity);
 

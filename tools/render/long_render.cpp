@@ -16,7 +16,7 @@ constexpr double k_most_seconds = 1e9;
 /// In the metadata of every preview.
 constexpr std::string_view k_preview_mark = "alidade:preview";
 
-/// The name of a picture in a checkpoint, however it was typed.
+/// The name of an image in a checkpoint, however it was typed.
 std::string image_in_checkpoint(const std::filesystem::path& image) {
   return name_in_checkpoint(std::filesystem::absolute(image).lexically_normal());
 }
@@ -41,7 +41,7 @@ std::string error_text(double error, int digits) {
   return std::isinf(error) ? "unknown" : fmt::format("{:.{}g}", error, digits);
 }
 
-/// Shows the picture under way; a preview that cannot be written is reported once and does not end the run.
+/// Shows the image under way; a preview that cannot be written is reported once and does not end the run.
 class PreviewFile {
  public:
   PreviewFile(const std::filesystem::path& file, const image::OutputSettings& output,

@@ -96,7 +96,7 @@ std::vector<database::PointFilter> view_filters(std::span<const View> views, dou
 }
 
 /// The part of the scene's cloud, in a database, that the cameras see: points whose spheres, as far as their
-/// radius is given, may be in a picture. `measuring` as in load_cloud(). Prints how much was read. Errors:
+/// radius is given, may be in an image. `measuring` as in load_cloud(). Prints how much was read. Errors:
 /// the cloud is of another kind; no camera is given; layers that need the whole cloud; the database's.
 renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer::Scene& scene,
                                    const CloudInputs& clouds, std::span<const View> views,
@@ -132,7 +132,7 @@ std::string remark_on_colors(const image::ColorKey& key) {
                 : "";
 }
 
-/// Loads the scene's cloud. `views` are those of the pictures; empty if they are chosen after loading.
+/// Loads the scene's cloud. `views` are those of the images; empty if they are chosen after loading.
 renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& scene,
                            const CloudInputs& clouds, std::span<const View> views) {
   const renderer::CloudSettings& settings = *scene.cloud;
@@ -168,7 +168,7 @@ constexpr int k_longest_side = 640;
 constexpr int k_samples = 8;
 constexpr double k_seconds = 0.5;
 
-/// The camera for a picture no larger than a first look needs.
+/// The camera for an image no larger than a first look needs.
 camera::Camera reduced(const camera::Camera& camera) {
   const double share = static_cast<double>(k_longest_side) / std::max(camera.width, camera.height);
   if (share >= 1.0) return camera;
@@ -176,7 +176,7 @@ camera::Camera reduced(const camera::Camera& camera) {
   return camera::resized(camera, side(camera.width), side(camera.height));
 }
 
-/// Renders a scene with a part of its cloud and shows the picture.
+/// Renders a scene with a part of its cloud and shows the image.
 void show(const RenderCommand& command, renderer::Scene scene, const View* view,
           const renderer::LoadedCloud& cloud, const Progress& progress) {
   scene.camera =
@@ -191,9 +191,9 @@ void show(const RenderCommand& command, renderer::Scene scene, const View* view,
           {.progress = progress, .layers = std::vector{image::Layer::color}, .time_limit = k_seconds}));
 }
 
-/// Shows a picture in its preview file before its cloud is loaded, if the cloud consists of COPC files with
+/// Shows an image in its preview file before its cloud is loaded, if the cloud consists of COPC files with
 /// more than twice `preview_points` points: first with so many of them, then with eight times as many, and so
-/// on up to half of them or 50 million. `view` is that of the picture, or null to show the whole cloud;
+/// on up to half of them or 50 million. `view` is that of the image, or null to show the whole cloud;
 /// `scene` has its sky. Failures are no errors here: loading reports them. Errors: Cancelled.
 void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
                       const View* view) {
@@ -218,14 +218,14 @@ void show_first_looks(const RenderCommand& command, const renderer::Scene& scene
   }
 }
 
-/// A view and the picture it becomes.
+/// A view and the image it becomes.
 struct RequestedImage {
   View view;
   std::filesystem::path file;
   std::size_t number = 0;  ///< of its view
 };
 
-/// The pictures to make, and existing ones that stay.
+/// The images to make, and existing ones that stay.
 struct ImageList {
   std::vector<RequestedImage> images;
   std::vector<std::filesystem::path> finished;
@@ -279,7 +279,7 @@ bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command
   return !legend.empty() && !(may_stay && std::filesystem::exists(legend, error));
 }
 
-/// Errors: as check_writable; the legend would be one of the pictures.
+/// Errors: as check_writable; the legend would be one of the images.
 void check_legend_file(const RenderCommand& command, const renderer::Scene& scene,
                        std::span<const RequestedImage> images) {
   check_writable(command.color.legend, command.overwrite, input_files(command, scene));
@@ -328,7 +328,7 @@ void check_views(std::span<const RequestedImage> images, const renderer::Scene& 
   }
 }
 
-/// The metadata of a picture or depth map of a scene. `cloud` may be null; `words` is the command line.
+/// The metadata of an image or depth map of a scene. `cloud` may be null; `words` is the command line.
 renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View& view,
                                        const renderer::LoadedCloud* cloud, const CommandLine& words) {
   renderer::ImageMetadata metadata;
@@ -357,7 +357,7 @@ renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View&
   return metadata;
 }
 
-/// Renders and writes one picture after the other under one progress line. `resumed`: what the first one
+/// Renders and writes one image after the other under one progress line. `resumed`: what the first one
 /// resumes from. `empty` gets the views that see nothing.
 renderer::RenderStatistics render_all(std::span<const RequestedImage> images, renderer::Scene& scene,
                                       const renderer::LoadedCloud* cloud, const RenderCommand& command,
@@ -441,7 +441,7 @@ ExitCode run(const RenderCommand& given) {
   std::optional<Resumption> resumed;
   if (!images.empty()) resumed = find_resumption(command.long_render, list.files(), list.finished, verbosity);
   if (verbosity != Verbosity::quiet) warn_of_few_samples(command.long_render, scene.render.samples);
-  // Before the work, so that a program that cannot write pictures does not render for hours first.
+  // Before the work, so that a program that cannot write images does not render for hours first.
   image_module();
   const bool wants_legend = is_wanted(command.color.legend, command, resumed.has_value());
   if (wants_legend) check_legend_file(command, scene, images);
@@ -490,7 +490,7 @@ ExitCode run(const RenderCommand& given) {
   const bool is_automatic =
       command.exposure ? !command.exposure->has_value() : command.is_overview() && is_lit;
   if (is_automatic && image::image_format(images.front().file) != image::ImageFormat::exr) {
-    // By the first picture of a set, whether or not it exists already.
+    // By the first image of a set, whether or not it exists already.
     scene.output.exposure = renderer::automatic_exposure(scene, cloud, all_views.front().camera);
     say_note(verbosity, fmt::format("exposure {:+.2f} stops (--exposure)", scene.output.exposure));
   }

@@ -258,7 +258,7 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
   cloud.shape = renderer::PointShape::sphere;
 }
 
-/// Errors: nothing is to be written; an option that only pictures have.
+/// Errors: nothing is to be written; an option that only images have.
 void check_depth_alone(const RenderCommand& command) {
   if (command.depth.file.empty()) throw file_error(command.scene_file, "missing output", "-o FILE");
   const LongRenderRequest& long_render = command.long_render;

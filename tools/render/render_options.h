@@ -56,7 +56,7 @@ struct RenderCommand : CloudRequest {
   LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;
 
-  /// Whether the picture, or the flight, shows the whole cloud: neither a scene nor a camera is given.
+  /// Whether the image, or the flight, shows the whole cloud: neither a scene nor a camera is given.
   bool is_overview() const {
     return scene_file.empty() && camera.file.empty() && flight.keyframes.empty() && !camera.panorama &&
            !camera.from_above;

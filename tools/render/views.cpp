@@ -87,7 +87,7 @@ std::string file_name_of(const std::string& name) {
   // A dot at the very beginning of a file's name begins no extension.
   const bool has_extension = dot != std::string::npos && dot > folder;
   std::string result = has_extension ? name.substr(0, dot) : name;
-  // Else pictures of ./images/a.jpg are hidden files.
+  // Else images of ./images/a.jpg are hidden files.
   if (result.starts_with("./")) result.erase(0, 2);
   for (char& c : result) {
     const bool fine = static_cast<unsigned char>(c) >= 0x20 && c != '/' && c != '\\' && c != ':' && c != 0x7F;

@@ -30,7 +30,7 @@ struct CameraRequest {
 /// Declares the options; they fill `request`.
 void add_camera_options(const Options& render, CameraRequest& request);
 
-/// One picture to make.
+/// One image to make.
 struct View {
   std::string name;  ///< of the camera in its file; empty for other cameras
   camera::Camera camera;
@@ -42,7 +42,7 @@ struct View {
 std::vector<View> requested_views(const CameraRequest& request, const renderer::Scene& scene,
                                   std::vector<std::string>& warnings);
 
-/// Whether the views are a numbered set, whose pictures have names made from a pattern.
+/// Whether the views are a numbered set, whose images have names made from a pattern.
 bool is_set(const CameraRequest& request);
 
 /// The bounds of a cloud, without strays, and of the scene's models near it. Errors: there are no points.
@@ -55,7 +55,7 @@ Bounds seen_bounds(const renderer::Scene& scene, const renderer::LoadedCloud* cl
 View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
                    const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file);
 
-/// Names of the pictures of a set, in its order. `pattern` holds one %d, %04d (number, from 0, with leading
+/// Names of the images of a set, in its order. `pattern` holds one %d, %04d (number, from 0, with leading
 /// zeros up to that width), %s (the camera's name without extension, with / and what file names cannot hold
 /// as _) or %f (the name with its folders and extension); %% is a percent sign. Errors: none or several of
 /// them though there is more than one view; two views that would have the same name; of %f, a name that leads

@@ -46,7 +46,7 @@ void add_map_options(const Options& command, MapOptions& map);
 std::string given_map_option(const MapOptions& map);
 
 /// Lets a map fail before the work. Errors: a preview that is not a PNG, exists and may not be replaced, or
-/// is one of the other files; the module that writes maps and pictures is not installed.
+/// is one of the other files; the module that writes maps and images is not installed.
 void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files);
 

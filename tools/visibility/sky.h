@@ -53,8 +53,8 @@ struct SkyBand {
   std::string description, unit;
 };
 
-/// Writes a map as GeoTIFF, and the picture of its first band if one is requested. `metadata`: beside that of
-/// all maps. `picture`: without values and unit. Replaces NaN in the bands by k_no_float.
+/// Writes a map as GeoTIFF, and the image of its first band if one is requested. `metadata`: beside that of
+/// all maps. `image`: without values and unit. Replaces NaN in the bands by k_no_float.
 void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
                    const MapMetadata& metadata, visibility::MapImage image);
 

@@ -44,7 +44,7 @@ DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimut
 void fill_strip(const Occluders& occluders, const SightEnd& eye, double max_distance, DepthStrip& strip,
                 const Progress& progress = {});
 
-/// A line over the picture, such as the path of the sun. Positions are azimuth and elevation, degrees; the
+/// A line over the image, such as the path of the sun. Positions are azimuth and elevation, degrees; the
 /// line is cut where the azimuth jumps by more than 180 degrees.
 struct SkylineCurve {
   std::vector<glm::dvec2> positions;
@@ -58,7 +58,7 @@ struct SkylineCurve {
   std::vector<Mark> marks{};  ///< dots
 };
 
-/// Text around the picture and curves over it.
+/// Text around the image and curves over it.
 struct SkylineTexts {
   std::string title;                   ///< above it
   std::string note;                    ///< below it
@@ -72,7 +72,7 @@ struct SkylineTexts {
 image::Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                            const SkylineTexts& texts, const image::Font& font);
 
-/// Writes the picture of draw_skyline() as PNG, with the font of find_font(). The file is written completely
+/// Writes the image of draw_skyline() as PNG, with the font of find_font(). The file is written completely
 /// or not at all. Errors: as write_png() (image/image_file.h); no font.
 void write_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                    const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite);

@@ -54,7 +54,7 @@ bool write_placement(const Placement& placement, std::span<const Observer> candi
 /// Black on white, 900 by 560 pixels. Requires at least one position and a total above 0.
 image::Canvas draw_coverage(const Placement& placement, const image::Font& font);
 
-/// Writes the picture of draw_coverage() as PNG, with the font of find_font(). Errors: those of
+/// Writes the image of draw_coverage() as PNG, with the font of find_font(). Errors: those of
 /// find_font() and write_png().
 void write_coverage_image(const Placement& placement, const std::filesystem::path& file, bool overwrite);
 

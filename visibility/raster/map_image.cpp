@@ -59,7 +59,7 @@ image::Rgb8 shaded(const image::Rgb8& color, double light) {
   return image::to_rgb8({factor * color[0], factor * color[1], factor * color[2]});
 }
 
-/// The parts of the picture, in pixels.
+/// The parts of the image, in pixels.
 struct MapLayout {
   image::PixelBox map;
   double cells_per_pixel = 1.0;

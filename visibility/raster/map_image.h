@@ -20,7 +20,7 @@ namespace alidade::visibility {
 /// exaggerated if the land is flat.
 class Relief {
  public:
-  /// `step`: slopes are differences over twice this length, about a pixel of the picture. Cost: that of about
+  /// `step`: slopes are differences over twice this length, about a pixel of the image. Cost: that of about
   /// 10 000 heights.
   Relief(const Ground& ground, double step);
 
@@ -36,7 +36,7 @@ class Relief {
   double exaggeration_ = 1.0;
 };
 
-// A map as a picture: values as colours over the shaded relief of the ground, north up, with the
+// A map as an image: values as colours over the shaded relief of the ground, north up, with the
 // observers, a scale bar and a legend.
 
 /// The colour and meaning of one value.
@@ -77,7 +77,7 @@ struct MapImage {
 image::Canvas draw_map(const MapImage& image, const Ground& ground, const image::Font& font,
                        int longest_side = 1000);
 
-/// Writes the picture of draw_map() as PNG. Errors: those of write_png() and find_font().
+/// Writes the image of draw_map() as PNG. Errors: those of write_png() and find_font().
 void write_map_image(const MapImage& image, const Ground& ground, const std::filesystem::path& file,
                      bool overwrite);
 

@@ -12,7 +12,7 @@
 #include "visibility/raster/map_image.h"
 #include "visibility/raster/viewshed.h"
 
-// Viewsheds in files: as rasters and as pictures.
+// Viewsheds in files: as rasters and as images.
 
 namespace alidade::visibility {
 
@@ -42,7 +42,7 @@ ViewshedBand viewshed_band(const Viewshed& viewshed, const ViewshedOptions& opti
                            const SeenValues& seen_values, std::size_t observer_count,
                            const std::string& length_unit);
 
-/// The picture of a viewshed; seen cells are bright, hidden ones dark. `options` are those of the viewshed;
+/// The image of a viewshed; seen cells are bright, hidden ones dark. `options` are those of the viewshed;
 /// `observers` are marked, one for each object if there are objects.
 MapImage viewshed_image(const Viewshed& viewshed, const ViewshedOptions& options,
                         std::span<const Observer> observers, const std::string& length_unit);
