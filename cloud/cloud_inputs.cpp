@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/text_scanner.h"
 #include "base/words.h"
 #include "cloud/catalog.h"
 #include "cloud/cloud_reader.h"
@@ -20,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t k_looked_at = 4096;
+constexpr std::size_t k_start_bytes = 4096;
 
 std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -112,7 +111,7 @@ const CloudFormat* format_begun_by(std::span<const std::byte> start, CloudFormat
 const CloudFormat* format_of(const fs::path& path, CloudFormats formats) {
   try {
     InputFile file(path);
-    return format_begun_by(file.view_up_to(0, k_looked_at), formats);
+    return format_begun_by(file.view_up_to(0, k_start_bytes), formats);
   } catch (const Error&) {
     return nullptr;
   }
@@ -310,8 +309,8 @@ CloudInputs resolve_clouds(std::span<const fs::path> names, CloudFormats formats
 }
 
 CloudInput cloud_in_memory(std::span<const std::byte> bytes, std::string name, CloudFormats formats) {
-  const std::size_t looked_at = std::min(bytes.size(), k_looked_at);
-  return {std::move(name), format_begun_by(bytes.first(looked_at), formats), bytes};
+  const auto start = bytes.first(std::min(bytes.size(), k_start_bytes));
+  return {std::move(name), format_begun_by(start, formats), bytes};
 }
 
 }  // namespace alidade

@@ -41,7 +41,7 @@ std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& la
 }
 
 std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFile file, Damage damage) {
-  constexpr std::size_t k_looked_at = 4096;
+  constexpr std::size_t k_start_bytes = 4096;
   constexpr const char* k_supported = "LAS, LAZ, PLY, PCD, E57, PTX, PTS, CSV, XYZ or an index file";
   if (input.format != nullptr) {
     const std::vector<std::string> columns = input.view ? input.view->columns : std::vector<std::string>();
@@ -51,7 +51,7 @@ std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFil
                      std::string(input.format->name));
   }
   if (file.size() == 0) throw Error({.file = file.name(), .problem = "empty file", .expected = k_supported});
-  const std::span<const std::byte> start = file.view_up_to(0, k_looked_at);
+  const std::span<const std::byte> start = file.view_up_to(0, k_start_bytes);
   reject_utf16({reinterpret_cast<const char*>(start.data()), start.size()}, file.name());
   throw Error(
       {.file = file.name(), .problem = "unknown format", .expected = k_supported, .found = "binary data"});
