@@ -107,8 +107,8 @@ glm::dmat3 rotation_from_axis_angle(const glm::dvec3& axis);
 /// From camera = rotation * world + translation, with camera axes right, down, forward.
 CameraPose pose_from_world_to_camera(const glm::dmat3& rotation, const glm::dvec3& translation);
 
-/// The ground transform of an image taken from straight above: world x = [0] + [1] column + [2] row, y = [3] + [4]
-/// column + [5] row, with (0, 0) the outer corner of the first pixel. Errors: the camera's rays are not
+/// The ground transform of an image from straight above: world x = [0] + [1] column + [2] row, y = [3] +
+/// [4] column + [5] row, with (0, 0) the outer corner of the first pixel. Errors: the camera's rays are not
 /// parallel, or do not point straight down.
 std::array<double, 6> ground_transform(const Camera& camera);
 

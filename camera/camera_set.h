@@ -30,14 +30,14 @@ struct CameraFileOptions {
   bool original_world = false;
 };
 
-/// Reads an Alidade camera file, a COLMAP model (a folder with cameras and images, .bin or .txt), transforms.json of
-/// nerfstudio and instant-ngp, OpenSfM's reconstruction.json (its first reconstruction), openMVG's
-/// sfm_data.json, the photos of an E57 file, or a trajectory as text, distinguished by content. Formats and
-/// conventions: docs/cameras.md. Poses become camera-to-world, pixel coordinates those of Camera. Folds
-/// of lenses are not searched for: call check_camera() for the cameras that are used. Errors, with file and
-/// location: unknown formats and models, missing parts, counts beyond the file's size, matrices that are not
-/// rotations, focal lengths of 0, duplicate names, no camera. Cost: linear. Memory: a constant times
-/// the file's size without its points.
+/// Reads an Alidade camera file, a COLMAP model (a folder with cameras and images, .bin or .txt),
+/// transforms.json of nerfstudio and instant-ngp, OpenSfM's reconstruction.json (its first reconstruction),
+/// openMVG's sfm_data.json, the photos of an E57 file, or a trajectory as text, distinguished by content.
+/// Formats and conventions: docs/cameras.md. Poses become camera-to-world, pixel coordinates those of Camera.
+/// Folds of lenses are not searched for: call check_camera() for the cameras that are used. Errors, with file
+/// and location: unknown formats and models, missing parts, counts beyond the file's size, matrices that are
+/// not rotations, focal lengths of 0, duplicate names, no camera. Cost: linear. Memory: a constant times the
+/// file's size without its points.
 CameraSet read_cameras(const std::filesystem::path& path, const CameraFileOptions& options = {});
 
 /// Reads the cameras in the text of such a file; `name` is used in messages, and relative paths are relative

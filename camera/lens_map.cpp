@@ -8,8 +8,6 @@
 
 #include "base/exact_math.h"
 
-// project() and unproject() of each lens stand side by side: one is the inverse of the other.
-
 namespace alidade::camera {
 namespace {
 
@@ -111,6 +109,8 @@ Seen towards(const glm::dvec2& side, double side_length, double angle) {
   const double scale = side_length > 0.0 ? turn.sine / side_length : 0.0;
   return towards(scale * side.x, scale * side.y, turn.cosine);
 }
+
+// project and unproject of a lens are side by side, one the inverse of the other.
 
 FilmPosition pinhole(const glm::dvec3& at) {
   if (!(at.z > 0.0)) return std::nullopt;

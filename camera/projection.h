@@ -11,8 +11,8 @@
 
 namespace alidade::camera {
 
-/// A camera prepared for use: maps film positions, in pixels, to rays and back. Inside the image project() and
-/// ray() are inverse to each other within 1e-9 pixel.
+/// A camera prepared for use: maps film positions, in pixels, to rays and back. Inside the image project()
+/// and ray() are inverse to each other within 1e-9 pixel.
 class Projection {
  public:
   /// Cost: a microsecond. Nothing is checked; see check_camera().

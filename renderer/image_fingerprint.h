@@ -15,11 +15,10 @@ namespace alidade::renderer {
 template <class Part>
 std::string text_of(const Part& part);
 
-/// The fingerprint of what render() would make of these: all that the samples of an image depend on, in a fixed
-/// order: what others follow from comes before them, such as the cloud before a camera that shows it. Numbers
-/// are written so that different ones have different texts. `cloud` may be null. Cost: a cloud read from an
-/// index file is identified by the checksums in it; any other is summed up as fast as memory delivers, about
-/// 16 bytes per point.
+/// The fingerprint of the image that render() would make: everything its samples depend on, in a fixed order
+/// in which causes come first, such as the cloud before a camera that shows it. Different numbers have
+/// different texts. `cloud` may be null. Cost: a cloud read from an index file is identified by the checksums
+/// in it; of any other a checksum is computed, as fast as memory delivers about 16 bytes per point.
 Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options);
 
 }  // namespace alidade::renderer

@@ -28,7 +28,7 @@ std::vector<JsonNode> entries(const JsonNode& top, std::string_view key) {
   return list ? list->elements(0, std::size_t(-1)) : std::vector<JsonNode>();
 }
 
-/// Resolves the pointers of openMVG's writer: an object is written at its first occurrence, later only its id.
+/// Resolves the pointers of openMVG's writer: it writes an object where it first occurs, later only its id.
 class Pointers {
  public:
   JsonNode object(const JsonNode& value) {

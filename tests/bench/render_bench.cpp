@@ -42,8 +42,8 @@ struct Batch {
   bool occlusion = false;
 };
 
-/// Rays like those of paths through some rows of pixels: those of the camera, then from each surface one to the sun and one
-/// that a diffuse surface scatters.
+/// Rays like those of paths through some rows of pixels: those of the camera, then from each surface one to
+/// the sun and one that a diffuse surface scatters.
 void add_paths(const World& world, const Projection& projection, const SunDisc& sun, int first_row,
                std::uint32_t sample, std::vector<Batch>& batches) {
   constexpr int k_surfaces = 4;
