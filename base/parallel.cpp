@@ -31,14 +31,17 @@ void detail::run_in_blocks(std::size_t count, std::size_t size, std::size_t most
       }
     }
   };
-  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const std::size_t loops = std::min({block_count, most_threads, threads});
+  const std::size_t loops = std::min({block_count, most_threads, thread_count()});
   // Calling for other threads takes longer than a small block.
   if (loops <= 1)
     run_blocks(0);
   else
     tbb::parallel_for(std::size_t{0}, loops, run_blocks, tbb::simple_partitioner());
   if (failure) std::rethrow_exception(failure);
+}
+
+std::size_t thread_count() {
+  return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
 }
 
 void PieceSize::learn(std::size_t items, Clock::duration time, std::size_t most) {

@@ -54,6 +54,9 @@ void in_parallel(Index count, std::size_t grain, const Work& work) {
   in_parallel(count, grain, detail::k_all_threads, work);
 }
 
+/// The number of threads that these loops use here.
+std::size_t thread_count();
+
 /// How many items the next piece of a long work has, so that a piece takes about the wanted time: between
 /// pieces progress is reported, and the work can be cancelled. Thread safety: full.
 class PieceSize {

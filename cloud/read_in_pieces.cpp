@@ -2,7 +2,6 @@
 #include "cloud/read_in_pieces.h"
 
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 #include <algorithm>
 #include <glm/common.hpp>
 #include <iterator>
@@ -290,7 +289,7 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   warn_of_lattices(sources, cloud);
 
   Joining joining(cloud, options, pieces);
-  const bool is_parallel = !pieces.take && tbb::this_task_arena::max_concurrency() > 1;
+  const bool is_parallel = !pieces.take && thread_count() > 1;
   const std::uint64_t most_points = std::max(k_few_points, point_count / 8);
   for (std::size_t first = 0; first < sources.size();) {
     const std::size_t end = is_parallel ? end_of_lot(sources, first, most_points) : first + 1;

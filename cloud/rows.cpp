@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/rows.h"
 
-#include <tbb/parallel_for_each.h>
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
 #include <iterator>
+
+#include "base/parallel.h"
 
 namespace alidade {
 
@@ -64,7 +65,7 @@ void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
   if (count < k_rows_for_threads) {
     for (const auto& extend : columns) extend();
   } else {
-    tbb::parallel_for_each(columns, [](const auto& extend) { extend(); });
+    in_parallel(columns.size(), 1, [&](std::size_t i) { columns[i](); });
   }
 }
 

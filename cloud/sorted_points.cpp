@@ -3,7 +3,6 @@
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>
-#include <tbb/task_arena.h>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -191,7 +190,7 @@ class Sorter {
     if (!scratch) return usual;
     // Fewer chunks have longer runs for each bucket, which are faster to read from disk. A thread has the
     // entries of a chunk in its scratch memory and in the file, and the positions.
-    const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    const std::size_t threads = thread_count();
     const std::size_t bytes_of_point = 2 * sizeof(Entry) + sizeof(std::uint16_t) + sizeof(LatticePosition);
     return std::clamp(std::bit_floor(scratch->memory / threads / bytes_of_point), usual,
                       std::max(usual, std::bit_ceil(count / threads + 1)));

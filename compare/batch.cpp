@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "compare/batch.h"
 
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <mutex>
 #include <new>
@@ -16,6 +12,7 @@
 #include <tuple>
 
 #include "base/output_file.h"
+#include "base/parallel.h"
 #include "compare/report/page.h"
 
 namespace alidade::compare {
@@ -67,8 +64,8 @@ void make_room(const std::vector<std::filesystem::path>& reports, const std::vec
 
 /// As many pairs at once as fit into memory.
 std::size_t workers_for(const std::vector<ImagePair>& pairs) {
-  std::uint64_t workers = std::min({k_most_at_once, std::uint64_t{pairs.size()},
-                                    static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency())});
+  std::uint64_t workers =
+      std::min({k_most_at_once, std::uint64_t{pairs.size()}, std::uint64_t{thread_count()}});
   for (std::size_t i = 0; i < pairs.size() && workers > 1; ++i) {
     for (const std::filesystem::path& file : {pairs[i].reference, pairs[i].test})
       if (const std::uint64_t pixels = claimed_pixels(file); pixels > 0)
@@ -150,12 +147,10 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
   std::vector<PairOutcome> outcomes(pairs.size());
   const std::vector<std::filesystem::path> reports = report_files(pairs, options.reports);
   if (!options.reports.empty()) make_room(reports, pairs, options);
-  std::atomic<std::size_t> next = 0;
   std::atomic<bool> stopped = false;
   std::mutex reporting;
   std::uint64_t done = 0;
   std::chrono::steady_clock::time_point asked{};
-  std::exception_ptr trouble;
   const auto goes_on = [&](bool is_done) {
     constexpr std::chrono::milliseconds k_pause{50};
     const std::lock_guard lock(reporting);
@@ -167,30 +162,13 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
     return !stopped;
   };
   // Each worker holds one pair in memory, however many threads help with it.
-  const auto work = [&] {
-    for (std::size_t i = next++; i < pairs.size() && !stopped; i = next++) {
-      outcomes[i].pair = pairs[i];
-      compare_pair(outcomes[i], options, reports[i],
-                   [&](std::uint64_t, std::uint64_t) { return goes_on(false); });
-      goes_on(true);
-    }
-  };
-  tbb::task_group workers;
-  for (std::size_t i = workers_for(pairs); i > 0; --i) {
-    workers.run([&] {
-      try {
-        work();
-      } catch (...) {
-        // Thrown out of here, it would end the loops of other pairs, which would continue with half their
-        // data.
-        const std::lock_guard lock(reporting);
-        if (!trouble) trouble = std::current_exception();
-        stopped = true;
-      }
-    });
-  }
-  workers.wait();
-  if (trouble) std::rethrow_exception(trouble);
+  in_parallel(pairs.size(), 1, workers_for(pairs), [&](std::size_t i) {
+    if (stopped) return;
+    outcomes[i].pair = pairs[i];
+    compare_pair(outcomes[i], options, reports[i],
+                 [&](std::uint64_t, std::uint64_t) { return goes_on(false); });
+    goes_on(true);
+  });
   if (stopped) throw Cancelled();
   std::ranges::stable_sort(outcomes, [](const PairOutcome& a, const PairOutcome& b) {
     return std::tuple_cat(sort_key(a), std::tie(a.pair.name)) <

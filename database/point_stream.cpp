@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "database/point_stream.h"
 
+#include <tbb/parallel_pipeline.h>
 #include <algorithm>
 #include <cstring>
 #include <functional>
 #include <type_traits>
+#include <utility>
 
 #include "base/bytes.h"
 #include "base/parallel.h"
@@ -235,6 +237,28 @@ PickedPoints PointStream::next(std::size_t count) {
     std::ranges::push_heap(heads_, std::greater<>());
   }
   return picked;
+}
+
+void PointStream::for_each_group(std::size_t size, std::size_t most,
+                                 const std::function<void(std::size_t, PickedPoints)>& encode,
+                                 const std::function<void(std::size_t)>& finish) {
+  // Owned here, since the pipeline drops its contents when it is cancelled.
+  std::vector<PickedPoints> picked(most);
+  std::size_t begun = 0;
+  const auto take = [&](tbb::flow_control& control) {
+    const std::size_t slot = begun++ % most;
+    picked[slot] = next(size);
+    if (picked[slot].picks.empty()) control.stop();
+    return slot;
+  };
+  const auto encode_slot = [&](std::size_t slot) {
+    encode(slot, std::exchange(picked[slot], {}));
+    return slot;
+  };
+  tbb::parallel_pipeline(
+      most, tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, take) &
+                tbb::make_filter<std::size_t, std::size_t>(tbb::filter_mode::parallel, encode_slot) &
+                tbb::make_filter<std::size_t, void>(tbb::filter_mode::serial_in_order, finish));
 }
 
 EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -85,6 +86,13 @@ class PointStream {
   /// The next points, up to `count`; none at the end. Requires finish(). The blobs of their blocks are those
   /// of blobs(). Memory: two blocks of 1024 points per piece.
   PickedPoints next(std::size_t count);
+
+  /// Takes all points in groups of up to `size`: encode(slot, points) in parallel, then finish(slot) for one
+  /// group after the other, in their order. Slots are numbers below `most`, the number of groups at once; one
+  /// that is used again has been finished.
+  void for_each_group(std::size_t size, std::size_t most,
+                      const std::function<void(std::size_t slot, PickedPoints points)>& encode,
+                      const std::function<void(std::size_t slot)>& finish);
 
  private:
   /// A sorted piece in the file: blocks of k_block_points, except for the last one, which may be shorter. A

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <tbb/concurrent_queue.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -164,7 +163,7 @@ class CurveBatch {
 // is idle.
 constexpr std::size_t k_least_stream_rays = 256, k_most_stream_rays = 12288;
 std::size_t stream_grain(std::size_t rays) {
-  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  const auto threads = thread_count();
   return threads == 1 ? k_most_stream_rays
                       : std::clamp(rays / (16 * threads), k_least_stream_rays, k_most_stream_rays);
 }

@@ -2,8 +2,6 @@
 #include "database/parquet/write_parquet.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
 #include <algorithm>
 #include <limits>
 #include <numeric>
@@ -13,6 +11,7 @@
 #include <vector>
 
 #include "base/output_file.h"
+#include "base/parallel.h"
 #include "base/words.h"
 #include "database/parquet/column_chunk.h"
 #include "database/parquet/file_column.h"
@@ -29,7 +28,6 @@ constexpr std::size_t k_most_group_bytes = std::size_t{32} << 20;
 
 /// Some rows, and their encoded columns.
 struct RowGroup {
-  PickedPoints picked{};
   std::size_t row_count = 0;
   Bounds bounds{};
   std::vector<ColumnChunk> chunks{};
@@ -64,31 +62,19 @@ class ParquetFile {
   void write_groups() {
     const std::size_t row_size = row_bytes(encoding_, columns_.size());
     const std::size_t rows = std::clamp<std::size_t>(k_most_group_bytes / row_size, 1, options_.group_points);
-    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-    const std::size_t at_once = std::clamp<std::size_t>(2 * k_most_group_bytes / (rows * row_size), 1,
-                                                        std::min<std::size_t>(threads + 1, 16));
-    // Owned here, since the pipeline drops its contents when it is cancelled. Groups are finished in their
-    // order, so a group that is used again has been written.
-    std::vector<RowGroup> groups(at_once);
-    std::size_t begun = 0;
-    tbb::parallel_pipeline(
-        at_once,
-        tbb::make_filter<void, RowGroup*>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-          RowGroup& next = groups[begun++ % at_once];
-          next.picked = cloud_.points.next(rows);
-          if (next.picked.picks.empty()) control.stop();
-          return &next;
-        }) & tbb::make_filter<RowGroup*, RowGroup*>(tbb::filter_mode::parallel, [&](RowGroup* now) {
-          encode_group(*now);
-          return now;
-        }) & tbb::make_filter<RowGroup*, void>(tbb::filter_mode::serial_in_order, [&](RowGroup* now) {
-          write_group(*now);
+    std::vector<RowGroup> groups(std::clamp<std::size_t>(2 * k_most_group_bytes / (rows * row_size), 1,
+                                                         std::min<std::size_t>(thread_count() + 1, 16)));
+    cloud_.points.for_each_group(
+        rows, groups.size(),
+        [&](std::size_t slot, PickedPoints picked) { encode_group(std::move(picked), groups[slot]); },
+        [&](std::size_t slot) {
+          write_group(groups[slot]);
           report(options_.progress, row_count_, cloud_.points.size());
-        }));
+        });
   }
 
-  void encode_group(RowGroup& group) const {
-    const EncodedChunks rows = encode(encoding_, std::exchange(group.picked, {}));
+  void encode_group(PickedPoints picked, RowGroup& group) const {
+    const EncodedChunks rows = encode(encoding_, std::exchange(picked, {}));
     group.row_count = rows.positions.size();
     group.bounds = rows.boxes.front();
     group.chunks.clear();

@@ -3,8 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
@@ -14,6 +12,7 @@
 
 #include "base/input_file.h"
 #include "base/output_file.h"
+#include "base/parallel.h"
 #include "base/words.h"
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/cloud_schema.h"
@@ -95,34 +94,17 @@ void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWrite
   const std::size_t group =
       std::size_t{std::max(1u, k_about / encoding.chunk_points)} * encoding.chunk_points;
   // More groups are not faster, and each takes some megabytes.
-  constexpr int k_most_groups = 16;
-  const auto groups_at_once =
-      static_cast<std::size_t>(std::min(2 * tbb::this_task_arena::max_concurrency() + 1, k_most_groups));
-  struct Group {
-    PickedPoints picked;
-    EncodedChunks chunks;
-  };
-  // Owned here, since the pipeline drops its contents when it is cancelled. Groups are finished in their
-  // order, so a group that is used again has been written.
-  std::vector<Group> groups(groups_at_once);
-  std::size_t begun = 0;
+  constexpr std::size_t k_most_groups = 16;
+  std::vector<EncodedChunks> chunks(std::min(2 * thread_count() + 1, k_most_groups));
   std::uint64_t done = 0;
-  tbb::parallel_pipeline(
-      groups_at_once,
-      tbb::make_filter<void, Group*>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-        Group& next = groups[begun++ % groups.size()];
-        next.picked = points.next(group);
-        if (next.picked.picks.empty()) control.stop();
-        return &next;
-      }) & tbb::make_filter<Group*, Group*>(tbb::filter_mode::parallel, [&](Group* now) {
-        now->chunks = encode(encoding, now->picked);
-        now->picked = PickedPoints();
-        return now;
-      }) & tbb::make_filter<Group*, void>(tbb::filter_mode::serial_in_order, [&](Group* now) {
-        writer.write(now->chunks);
-        done += now->chunks.positions.size();
+  points.for_each_group(
+      group, chunks.size(),
+      [&](std::size_t slot, const PickedPoints& picked) { chunks[slot] = encode(encoding, picked); },
+      [&](std::size_t slot) {
+        writer.write(chunks[slot]);
+        done += chunks[slot].positions.size();
         report(progress, done, points.size());
-      }));
+      });
 }
 
 /// Stores a cloud in a transaction, which is committed on return and rolled back by an exception.
