@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "compare/metrics/flip_model.h"
-#include "tests/compare/images.h"
+#include "tests/compare/drawn_images.h"
 #include "tests/compare/plain_flip.h"
 
 namespace alidade::test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/compare/images.h"
+#include "tests/compare/drawn_images.h"
 
 namespace alidade::test {
 
