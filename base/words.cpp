@@ -71,6 +71,22 @@ std::optional<double> parse_number(std::string_view word) {
   return value;
 }
 
+std::optional<std::string> percent_decoded(std::string_view text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    auto character = static_cast<unsigned char>(text[i]);
+    if (text[i] == '%') {
+      const std::string_view digits = text.substr(i + 1, 2);
+      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), character, 16);
+      if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || character == 0)
+        return std::nullopt;
+      i += 2;
+    }
+    plain.push_back(static_cast<char>(character));
+  }
+  return plain;
+}
+
 int written_decimals(std::string_view word) {
   constexpr int k_most = 400;  // beyond the resolution of a double
   int exponent = 0;

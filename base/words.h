@@ -78,6 +78,9 @@ std::optional<Whole> parse_count(std::string_view word) {
   return value;
 }
 
+/// Text of a URL with its %XX replaced; empty if one is no code of a character, or means NUL.
+std::optional<std::string> percent_decoded(std::string_view text);
+
 /// How many digits after the decimal point a number is written with: 2 for "1.25", 4 for "1.25e-2", 0 for
 /// "12", -3 for "1e3".
 int written_decimals(std::string_view word);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -44,18 +43,9 @@ std::string_view path_of(std::string_view url) {
 
 /// Text with its %XX replaced; empty if one is invalid or means a control character.
 std::optional<std::string> decoded(std::string_view text) {
-  std::string plain;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    unsigned character = static_cast<unsigned char>(text[i]);
-    if (text[i] == '%') {
-      const std::string_view digits = text.substr(i + 1, 2);
-      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), character, 16);
-      if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2) return std::nullopt;
-      i += 2;
-    }
-    if (character < 0x20 || character == 0x7f) return std::nullopt;
-    plain.push_back(static_cast<char>(character));
-  }
+  std::optional<std::string> plain = percent_decoded(text);
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (plain && std::ranges::any_of(*plain, is_control)) plain.reset();
   return plain;
 }
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/bounds.h"
@@ -270,8 +271,6 @@ class Octree {
   std::size_t memory() const;
 
   const TreeView& view() const { return view_; }
-  /// What keeps the view's arrays alive.
-  const std::shared_ptr<const void>& storage() const { return storage_; }
   InstructionSet instruction_set() const { return instruction_set_; }
   /// This index (shared arrays), traversed with another instruction set. Errors: not available on this
   /// machine.
@@ -280,9 +279,10 @@ class Octree {
     octree.instruction_set_ = usable(instruction_set);
     return octree;
   }
-  /// This index with a view of more arrays, which `storage` keeps alive beside those it has.
-  Octree with_view(const TreeView& view, std::shared_ptr<const void> storage) const {
-    Octree octree(view, std::move(storage), instruction_set_);
+  /// This index with a view of more arrays, which `arrays` keeps alive beside those it has.
+  Octree with_view(const TreeView& view, std::shared_ptr<const void> arrays) const {
+    Octree octree(view, std::make_shared<const std::pair<Storage, Storage>>(storage_, std::move(arrays)),
+                  instruction_set_);
     octree.scratch_ = scratch_;
     return octree;
   }
@@ -296,8 +296,10 @@ class Octree {
   }
 
  private:
+  using Storage = std::shared_ptr<const void>;
+
   TreeView view_;
-  std::shared_ptr<const void> storage_;
+  Storage storage_;
   InstructionSet instruction_set_ = InstructionSet::scalar;
   ScratchFolder scratch_;
 };

@@ -304,7 +304,6 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
 }
 
 struct Surfaces {
-  std::shared_ptr<const void> octree;  ///< keeps its arrays alive
   HugeArray<std::uint32_t> points;
   HugeArray<std::uint8_t> edges;
 };
@@ -366,7 +365,6 @@ SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal) {
 Octree with_surfaces(const Octree& octree, const Progress& progress) {
   if (octree.size() == 0 || octree.view().surfaces) return octree;
   const auto made = std::make_shared<Surfaces>();
-  made->octree = octree.storage();
   TreeView tree = octree.view();
   made->points = HugeArray<std::uint32_t>(tree.point_count, octree.scratch());
   made->edges = HugeArray<std::uint8_t>(tree.point_count, octree.scratch());
@@ -384,13 +382,11 @@ PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
 Octree with_discs(const Octree& octree) {
   if (octree.size() == 0 || octree.view().stored_surfaces) return octree;
   struct Stored {
-    std::shared_ptr<const void> octree;  // keeps its arrays alive
     HugeArray<std::uint32_t> surfaces;
     HugeArray<std::uint8_t> edges;
   };
   const auto made = std::make_shared<Stored>();
   TreeView tree = octree.view();
-  made->octree = octree.storage();
   made->surfaces =
       HugeArray<std::uint32_t>(std::size_t{tree.point_count} + k_coordinate_padding, octree.scratch());
   made->edges = HugeArray<std::uint8_t>(tree.point_count, octree.scratch());

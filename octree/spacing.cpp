@@ -82,7 +82,6 @@ bool before(const glm::dvec3& a, const glm::dvec3& b) {
 }
 
 struct Spacings {
-  std::shared_ptr<const void> octree;  ///< keeps its arrays alive
   HugeArray<std::uint16_t> points, slots;
 };
 
@@ -186,7 +185,6 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
   }
   if (octree.size() == 0 || octree.view().spacing_neighbours == neighbours) return octree;
   const auto made = std::make_shared<Spacings>();
-  made->octree = octree.storage();
   TreeView tree = octree.view();
   made->points =
       HugeArray<std::uint16_t>(std::size_t{tree.point_count} + k_coordinate_padding, octree.scratch());

@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
+#include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/words.h"
@@ -26,22 +27,10 @@ constexpr const char* k_form = "postgresql://HOST:PORT/DATABASE?table=NAME";
 }
 
 std::string decoded(std::string_view text) {
-  std::string result;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    char character = text[i];
-    if (character == '%') {
-      unsigned value = 0;
-      const std::string_view digits = text.substr(i + 1, 2);
-      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-      if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || value == 0)
-        reject_name("the server name has a '%' without a character code", "%25 for a '%' itself");
-      character = static_cast<char>(value);
-      i += 2;
-    }
-    if (character == '\0') reject_name("the server name contains NUL");
-    result += character;
-  }
-  return result;
+  std::optional<std::string> plain = percent_decoded(text);
+  if (!plain) reject_name("the server name has a '%' without a character code", "%25 for a '%' itself");
+  if (plain->find('\0') != std::string::npos) reject_name("the server name contains NUL");
+  return *std::move(plain);
 }
 
 std::string encoded(std::string_view text) {

@@ -36,12 +36,10 @@ constexpr int k_neighbours = 8;
 /// them an edge.
 Octree with_random_surfaces(const Octree& octree) {
   struct Arrays {
-    std::shared_ptr<const void> octree;
     std::vector<std::uint32_t> surfaces;
     std::vector<std::uint8_t> edges;
   };
   const auto made = std::make_shared<Arrays>();
-  made->octree = octree.storage();
   for (const LatticePosition& position : positions_in_order(octree.view())) {
     std::uint64_t bits = 0x9e3779b97f4a7c15u;
     for (int axis = 0; axis < 3; ++axis) {
@@ -55,7 +53,7 @@ Octree with_random_surfaces(const Octree& octree) {
   view.surfaces = made->surfaces.data();
   view.sheet_edges = made->edges.data();
   view.surface_unit = 0.1 * automatic_radius(octree);
-  return Octree(view, made, octree.instruction_set());
+  return octree.with_view(view, made);
 }
 
 /// Two walls that meet, a floor that ends, coarse beside fine, and points beside them.

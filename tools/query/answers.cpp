@@ -77,7 +77,6 @@ ExtraDimension described(const AnswerDimension& dimension) {
   return extra;
 }
 
-/// Calls work(i) for every row, in parallel.
 /// The lattice position that a world position was computed from. Exact: no other one is closer.
 LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
   const auto steps = to_lattice(lattice, position);
