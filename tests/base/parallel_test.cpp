@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "base/recently_used.h"
+
+namespace alidade::test {
+namespace {
+
+TEST(Parallel, every_number_is_in_one_block) {
+  for (const std::size_t count : {0, 1, 255, 256, 257, 10000}) {
+    std::vector<std::atomic<int>> seen(count);
+    in_blocks(count, 256, [&](std::size_t first, std::size_t end) {
+      EXPECT_EQ(first % 256, 0u);
+      EXPECT_EQ(end, std::min(first + 256, count));
+      for (std::size_t i = first; i < end; ++i) ++seen[i];
+    });
+    in_parallel(static_cast<int>(count), 7, [&](int i) { ++seen[static_cast<std::size_t>(i)]; });
+    for (const std::atomic<int>& times : seen) EXPECT_EQ(times, 2);
+  }
+}
+
+TEST(Parallel, the_error_of_the_first_block_that_has_one_is_thrown) {
+  for (int trial = 0; trial < 20; ++trial) {
+    try {
+      in_parallel(1000, 1, [](int i) {
+        if (i >= 500) throw std::runtime_error(std::to_string(i));
+      });
+      FAIL();
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), std::string("500"));
+    }
+  }
+}
+
+TEST(Parallel, at_most_as_many_blocks_as_requested_run_at_once) {
+  std::atomic<int> running = 0, most = 0;
+  in_parallel(200, 1, 2, [&](int) {
+    const int now = ++running;
+    for (int known = most; now > known && !most.compare_exchange_weak(known, now);) continue;
+    --running;
+  });
+  EXPECT_LE(most, 2);
+}
+
+TEST(PieceSize, follows_the_time_that_pieces_take) {
+  using std::chrono::milliseconds;
+  PieceSize size({.first = 100, .least = 10, .most = 1000, .wanted = milliseconds(100)});
+  EXPECT_EQ(size.next(), 100u);
+  size.learn(100, milliseconds(50));
+  EXPECT_EQ(size.next(), 200u);
+  size.learn(200, milliseconds(1));
+  EXPECT_EQ(size.next(), 800u);
+  size.learn(800, milliseconds(1));
+  EXPECT_EQ(size.next(), 1000u);
+  size.learn(1000, milliseconds(1000000));
+  EXPECT_EQ(size.next(), 10u);
+  size.learn(10, milliseconds(1), 20);
+  EXPECT_EQ(size.next(), 20u);
+}
+
+TEST(RecentlyUsed, gives_up_what_was_used_least_recently) {
+  RecentlyUsed<int, std::string> values;
+  values.add(1, "one");
+  values.add(2, "two");
+  values.add(3, "three");
+  EXPECT_EQ(*values.find(1), "one");
+  EXPECT_EQ(values.find(4), nullptr);
+  EXPECT_EQ(values.take_oldest(), "two");
+  EXPECT_EQ(values.find(2), nullptr);
+  EXPECT_EQ(values.take_oldest(), "three");
+  EXPECT_EQ(values.size(), 1u);
+  EXPECT_EQ(values.entries().front().first, 1);
+}
+
+}  // namespace
+}  // namespace alidade::test
