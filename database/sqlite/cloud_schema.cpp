@@ -13,8 +13,6 @@
 namespace alidade::database {
 namespace {
 
-const char* const k_parts[] = {"cloud", "column", "chunk", "value", "bounds"};
-
 static_assert(std::endian::native == std::endian::little, "numbers in blobs are copied as they are");
 
 /// Whether a row of NAME_column is valid: the number lies within the bytes of a point.
@@ -192,7 +190,7 @@ CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, cons
 }
 
 void drop_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table) {
-  for (const char* const part : k_parts) {
+  for (const char* const part : k_cloud_table_parts) {
     Statement found(database,
                     "SELECT type FROM " + sql_name(schema) +
                         ".sqlite_schema WHERE lower(name) = lower(?) AND type IN ('table', 'view')");
@@ -205,7 +203,7 @@ void drop_cloud_tables(sqlite3* database, const std::string& schema, const std::
 
 void rename_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,
                          const std::string& name) {
-  for (const char* const part : k_parts) {
+  for (const char* const part : k_cloud_table_parts) {
     run(database,
         "ALTER TABLE " + part_name(schema, table, part) + " RENAME TO " + sql_name(name + "_" + part));
   }

@@ -24,6 +24,8 @@ struct sqlite3;
 namespace alidade::database {
 
 inline constexpr int k_cloud_table_version = 1;
+/// What follows NAME_ in the names of these tables.
+inline constexpr const char* k_cloud_table_parts[] = {"cloud", "column", "chunk", "value", "bounds"};
 inline constexpr std::uint32_t k_most_chunk_points = 65536;
 
 struct CloudSchema {

@@ -240,7 +240,7 @@ int find_function(sqlite3_vtab*, int count, const char* name,
 
 /// Whether a table is a shadow table, which ordinary SQL cannot write in SQLite's defensive mode.
 int is_shadow(const char* name) {
-  for (const char* const part : {"cloud", "column", "chunk", "value", "bounds"}) {
+  for (const char* const part : k_cloud_table_parts) {
     if (sqlite3_stricmp(name, part) == 0) return 1;
   }
   return 0;
