@@ -37,7 +37,8 @@ class RaySlabs {
   const glm::dvec3& direction() const { return direction_; }
 
   /// The part between two values of one coordinate. Monotonic, including rounding: the part between values
-  /// within these lies within. So what is skipped with a box around it would also have been skipped by itself.
+  /// within these lies within. So what is skipped with a box around it would also have been skipped by
+  /// itself.
   Stretch between(int axis, double low, double high) const {
     constexpr double k_infinity = std::numeric_limits<double>::infinity();
     const double to_low = low - origin_[axis], to_high = high - origin_[axis];
