@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "camera/camera.h"
+#include "camera/camera_json.h"
 #include "camera/projection.h"
 #include "octree/tree_walk.h"
 #include "renderer/light.h"
