@@ -163,7 +163,7 @@ class CurveBatch {
 // is idle.
 constexpr std::size_t k_least_stream_rays = 256, k_most_stream_rays = 12288;
 std::size_t stream_grain(std::size_t rays) {
-  const auto threads = thread_count();
+  const std::size_t threads = thread_count();
   return threads == 1 ? k_most_stream_rays
                       : std::clamp(rays / (16 * threads), k_least_stream_rays, k_most_stream_rays);
 }
@@ -276,7 +276,7 @@ class RaysInColumns {
   }
 
  private:
-  static constexpr std::chrono::milliseconds k_wanted_time{50};
+  static constexpr std::chrono::milliseconds k_wanted_time{100};
   static constexpr std::size_t k_few_rays = 64;  // a filter may make each take milliseconds
 
   /// Errors: always.

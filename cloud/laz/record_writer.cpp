@@ -29,7 +29,7 @@ struct RecordWriter::State {
       : file(output), layout(laz), counts(std::move(of_chunks)) {
     constexpr std::size_t k_most_bytes = 64 << 20;
     const std::size_t usual = record_size * (layout.chunk_size > 0 ? layout.chunk_size : k_laz_chunk_size);
-    const auto threads = thread_count();
+    const std::size_t threads = thread_count();
     batch_bytes = usual * std::max<std::size_t>(std::min(2 * threads, k_most_bytes / usual), 1);
     // Reserved at once, as growing would take up to three times as much; unused pages are never touched.
     batch.reserve(std::min(batch_bytes, k_most_bytes));
