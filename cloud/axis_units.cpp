@@ -135,6 +135,12 @@ std::string with_unit(std::string name, const LengthUnit& unit) {
   return name + (unit == k_survey_foot ? " (ftUS)" : unit == k_foot ? " (ft)" : " (" + unit.name + ")");
 }
 
+/// "m", or "ft" for the foot and the US survey foot; empty for others.
+std::string label(const std::optional<LengthUnit>& unit) {
+  if (unit == k_metre) return "m";
+  return unit == k_foot || unit == k_survey_foot ? "ft" : "";
+}
+
 }  // namespace
 
 bool LengthUnit::operator==(const LengthUnit& other) const {
@@ -171,6 +177,20 @@ AxisUnits axis_units(const Crs& crs, const std::string& whole_wkt) {
   if (!units.heights && geotiff_value(crs, k_heights_key).value_or(k_user_defined) != k_user_defined)
     units.heights = known.heights;
   return units;
+}
+
+std::optional<LengthUnit> height_unit(const Crs& crs) {
+  const AxisUnits units = axis_units(crs);
+  const bool is_metre = !units.of_z() && !units.states_heights && is_geographic(crs);
+  return is_metre ? k_metre : units.of_z();
+}
+
+std::string plane_unit_label(const Crs& crs) {
+  return is_geographic(crs) ? "deg" : label(axis_units(crs).plane);
+}
+
+std::string height_unit_label(const Crs& crs) {
+  return crs.empty() ? "m" : label(height_unit(crs));
 }
 
 Crs with_height_unit(const Crs& crs, const LengthUnit& unit) {

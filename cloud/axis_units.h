@@ -44,6 +44,17 @@ AxisUnits axis_units(const Crs& crs);
 /// axis_units() with the WKT that a library made of GeoTIFF keys; empty if it does not support them.
 AxisUnits axis_units(const Crs& crs, const std::string& whole_wkt);
 
+/// The unit of z: that of the system's heights; if it states none, that of x and y, or metres over angles.
+/// Empty: unknown.
+std::optional<LengthUnit> height_unit(const Crs& crs);
+
+// Units for legends: "m", "ft" for the foot and the US survey foot, or empty for others and unknown ones.
+
+/// The unit of x and y; "deg" for angles.
+std::string plane_unit_label(const Crs& crs);
+/// height_unit(); "m" for a cloud without any system.
+std::string height_unit_label(const Crs& crs);
+
 /// The unit of a file's heights: that of its system, whose units are `units`, or else `stated`, the user's
 /// (--vertical-unit). Empty if neither is known. Errors: the system has heights in an unknown unit, or
 /// `stated` contradicts it.

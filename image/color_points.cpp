@@ -12,8 +12,8 @@
 
 #include "base/shown_text.h"
 #include "base/words.h"
+#include "cloud/axis_units.h"
 #include "cloud/cloud_reader.h"
-#include "geo/map_unit.h"
 
 namespace alidade::image {
 namespace {
@@ -145,7 +145,7 @@ std::string time_origin(double origin, const PointCloud& facts) {
 void describe(const PointColoring& coloring, const PointCloud& facts, ColorKey& key) {
   key.word = color_word(coloring);
   key.title = title_of(key.word);
-  if (key.by == PointColor::height) key.unit = geo::height_unit(facts.crs);
+  if (key.by == PointColor::height) key.unit = height_unit_label(facts.crs);
   if (key.by == PointColor::attribute && key.word == "scan_angle") key.unit = std::string("degrees");
   if (key.by != PointColor::gps_time) return;
   key.title = std::string("GPS time");

@@ -54,8 +54,7 @@ struct ImageModule {
   decltype(&geo::change_reference) change_reference = &geo::change_reference;
   decltype(&geo::projjson_of) projjson_of = &geo::projjson_of;
   decltype(&geo::metric_system) metric_system = &geo::metric_system;
-  decltype(static_cast<std::optional<double> (*)(const Crs&)>(&geo::metres_per_unit)) metres_per_unit =
-      &geo::metres_per_unit;
+  decltype(&geo::metres_per_unit) metres_per_unit = &geo::metres_per_unit;
   decltype(&visibility::read_observers) read_observers = &visibility::read_observers;
   decltype(&visibility::read_objects) read_objects = &visibility::read_objects;
   decltype(&visibility::to_cloud_reference) to_cloud_reference = &visibility::to_cloud_reference;

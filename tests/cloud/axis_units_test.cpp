@@ -88,6 +88,53 @@ TEST(AxisUnitsTest, geotiff_keys_state_units_and_codes_of_heights) {
   EXPECT_EQ(units_of(crs_of_keys({3072, 26910, 3076, 9001, 4096, 0})), "m");
 }
 
+TEST(UnitLabelTest, of_x_and_y_is_metres_feet_or_degrees) {
+  const auto of_wkt = [](const char* wkt) { return plane_unit_label(crs_of_wkt(wkt)); };
+  EXPECT_EQ(plane_unit_label({}), "");
+  EXPECT_EQ(of_wkt("GEOGCS[\"WGS 84\",UNIT[\"degree\",0.0174532925199433]]"), "deg");
+  EXPECT_EQ(of_wkt("GEOGCRS[\"WGS 84\",ANGLEUNIT[\"degree\",0.0174532925199433]]"), "deg");
+  EXPECT_EQ(of_wkt("PROJCS[\"a\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"metre\",1]]"), "m");
+  EXPECT_EQ(of_wkt("PROJCS[\"a\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"US survey foot\",0.3048006]]"),
+            "ft");
+  EXPECT_EQ(plane_unit_label(crs_of_keys({1024, 2, 2048, 4326})), "deg");
+  // Oregon in feet with heights in metres, and the other way round, in both forms of WKT.
+  EXPECT_EQ(
+      of_wkt("COMPD_CS[\"c\",PROJCS[\"a [ft]\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"foot\",0.3048]],"
+             "VERT_CS[\"v\",VERT_DATUM[\"d\",2005],UNIT[\"metre\",1]]]"),
+      "ft");
+  EXPECT_EQ(of_wkt("COMPOUNDCRS[\"c\",PROJCRS[\"a\",BASEGEOGCRS[\"b\"],CS[Cartesian,2],AXIS[\"x\",east],"
+                   "LENGTHUNIT[\"metre\",1]],VERTCRS[\"v\",AXIS[\"up\",up],LENGTHUNIT[\"US survey "
+                   "foot\",0.3048006]]]"),
+            "m");
+  EXPECT_EQ(plane_unit_label(crs_of_keys({1024, 1, 3076, 9002, 4099, 9001})), "ft");
+}
+
+TEST(UnitLabelTest, of_z_the_vertical_system_counts_else_the_horizontal_one) {
+  const auto of_wkt = [](const char* wkt) { return height_unit_label(crs_of_wkt(wkt)); };
+  EXPECT_EQ(height_unit_label(Crs()), "m");
+  EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["metre",1]])"), "m");
+  EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["US survey foot",0.3048]])"), "ft");
+  EXPECT_EQ(
+      of_wkt(
+          R"(COMPD_CS["a",PROJCS["x",UNIT["US survey foot",0.304800609601219]],VERT_CS["h",UNIT["metre",1]]])"),
+      "m");
+  EXPECT_EQ(
+      of_wkt(R"(COMPOUNDCRS["a",PROJCRS["x",LENGTHUNIT["metre",1]],VERTCRS["h",LENGTHUNIT["foot",0.3048]]])"),
+      "ft");
+  EXPECT_EQ(of_wkt(R"(GEOGCS["y",UNIT["degree",0.0174]])"), "m");
+  EXPECT_EQ(of_wkt(R"(LOCAL_CS["y",UNIT["furlong",201.168]])"), "");
+  EXPECT_EQ(of_wkt("UNIT[\"met"), "");
+  // A vertical part without a known unit does not take that of x and y.
+  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",UNIT["furlong",201.168]]])"), "");
+  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",VERT_DATUM["d",2005]]])"), "");
+  EXPECT_EQ(height_unit_label(crs_of_keys({3076, 9003})), "ft");
+  EXPECT_EQ(height_unit_label(crs_of_keys({3076, 9003, 4099, 9001})), "m");
+  for (const std::uint16_t unknown : {9005, 32767})
+    EXPECT_EQ(height_unit_label(crs_of_keys({3076, 9001, 4099, unknown})), "") << unknown;
+  EXPECT_EQ(height_unit_label(crs_of_keys({3076, 9001, 4096, 32767})), "");
+  EXPECT_EQ(height_unit_label(crs_of_keys({3072, 2229})), "");
+}
+
 TEST(AxisUnitsTest, damaged_wkt_is_no_trouble) {
   const std::string whole = with_heights(k_metres, k_survey_feet);
   for (std::size_t length = 1; length < whole.size(); ++length) {

@@ -10,9 +10,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "geo/map_unit.h"
 #include "octree/build.h"
-#include "tests/cloud/crs_of_keys.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {
@@ -224,29 +222,6 @@ TEST(SightCurveTest, bad_coefficients_are_errors) {
   EXPECT_THROW(SightCurve(-0.1, 1.0), Error);
   EXPECT_THROW(SightCurve(11.0, 1.0), Error);
   EXPECT_THROW(SightCurve(std::numeric_limits<double>::quiet_NaN(), 1.0), Error);
-}
-
-TEST(MapUnitTest, reference_systems_have_metres_feet_and_degrees) {
-  const auto of_wkt = [](const char* wkt) { return map_unit(crs_of_wkt(wkt)); };
-  EXPECT_EQ(map_unit({}), MapUnit::unknown);
-  EXPECT_EQ(of_wkt("GEOGCS[\"WGS 84\",UNIT[\"degree\",0.0174532925199433]]"), MapUnit::degree);
-  EXPECT_EQ(of_wkt("GEOGCRS[\"WGS 84\",ANGLEUNIT[\"degree\",0.0174532925199433]]"), MapUnit::degree);
-  EXPECT_EQ(of_wkt("PROJCS[\"a\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"metre\",1]]"), MapUnit::metre);
-  EXPECT_EQ(of_wkt("PROJCS[\"a\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"US survey foot\",0.3048006]]"),
-            MapUnit::foot);
-  EXPECT_EQ(map_unit(crs_of_keys({1024, 2, 2048, 4326})), MapUnit::degree);
-  // Oregon in feet with heights in metres, and the other way round, in both forms of WKT.
-  EXPECT_EQ(
-      of_wkt("COMPD_CS[\"c\",PROJCS[\"a [ft]\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"foot\",0.3048]],"
-             "VERT_CS[\"v\",VERT_DATUM[\"d\",2005],UNIT[\"metre\",1]]]"),
-      MapUnit::foot);
-  EXPECT_EQ(of_wkt("COMPOUNDCRS[\"c\",PROJCRS[\"a\",BASEGEOGCRS[\"b\"],CS[Cartesian,2],AXIS[\"x\",east],"
-                   "LENGTHUNIT[\"metre\",1]],VERTCRS[\"v\",AXIS[\"up\",up],LENGTHUNIT[\"US survey "
-                   "foot\",0.3048006]]]"),
-            MapUnit::metre);
-  EXPECT_EQ(map_unit(crs_of_keys({1024, 1, 3076, 9002, 4099, 9001})), MapUnit::foot);
-  EXPECT_EQ(metres_per_unit(MapUnit::foot), 0.3048);
-  EXPECT_EQ(metres_per_unit(MapUnit::unknown), 1.0);
 }
 
 }  // namespace

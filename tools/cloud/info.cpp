@@ -281,8 +281,8 @@ struct UnitNames {
     const AxisUnits units = axis_units(crs);
     states_heights = units.states_heights;
     plane = is_geographic(crs) ? "deg" : units.plane ? short_name(*units.plane) : "";
-    height = units.heights ? short_name(*units.heights) : is_geographic(crs) ? "m" : plane;
-    if (states_heights && !units.heights) height.clear();
+    const std::optional<LengthUnit> of_z = height_unit(crs);
+    height = of_z ? short_name(*of_z) : "";
   }
 };
 

@@ -17,8 +17,8 @@
 
 #include "base/parallel.h"
 #include "base/shown_text.h"
+#include "cloud/axis_units.h"
 #include "database/stored_column.h"
-#include "geo/map_unit.h"
 #include "image/color_points.h"
 #include "image/point_color.h"
 
@@ -226,8 +226,7 @@ std::string share_row(const std::string& name, std::uint64_t count, std::uint64_
 }
 
 std::string coverage_text(const CoverageStatistics& coverage, const Crs& crs) {
-  const geo::MapUnit kind = geo::map_unit(crs);
-  const char* const unit = kind == geo::MapUnit::unknown ? "unit" : geo::unit_name(kind);
+  const std::string label = plane_unit_label(crs), unit = label.empty() ? "unit" : label;
   return fmt::format(
       "density     {0:.4g} points per {4}2, {1:.4g} of last returns; spacing {2:.3g} {4}; area {3:.6g} {4}2 "
       "(cells of {5:.3g} {4} with points)\n",

@@ -6,7 +6,7 @@
 
 #include "base/output_file.h"
 #include "camera/camera.h"
-#include "geo/map_unit.h"
+#include "cloud/axis_units.h"
 #include "renderer/image_metadata.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
@@ -136,7 +136,7 @@ void write_image(const HorizonCommand& command, const VisibilityCloud& cloud, co
   const glm::dvec3& eye = view.observer.position;
   const visibility::SkylineTexts texts{
       fmt::format("Skyline from {:.2f}, {:.2f}, {:.2f}", eye.x, eye.y, eye.z), sky_text(view.facts.sky),
-      geo::height_unit(cloud.cloud.cloud.crs)};
+      height_unit_label(cloud.cloud.cloud.crs)};
   image_module().write_skyline(strip, view.line, texts, command.skyline, command.overwrite);
 }
 

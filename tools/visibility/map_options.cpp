@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/words.h"
-#include "geo/map_unit.h"
+#include "cloud/axis_units.h"
 #include "image/font.h"
 #include "tools/image_module.h"
 #include "visibility/raster/map_targets.h"
@@ -72,9 +72,9 @@ CloudUnit cloud_unit(const Crs& crs) {
   CloudUnit unit;
   unit.metres = image_module().metres_per_unit(crs);
   if (!unit.metres) {
-    const geo::MapUnit stated = geo::map_unit(crs);
-    if (stated == geo::MapUnit::unknown) return {};
-    unit.metres = geo::metres_per_unit(stated);
+    const std::string stated = plane_unit_label(crs);
+    if (stated.empty()) return {};
+    unit.metres = stated == "ft" ? k_foot.metres : 1.0;
   }
   unit.name = name_of(*unit.metres);
   return unit;

@@ -22,7 +22,7 @@ struct CloudUnit {
   std::optional<double> metres{};  ///< of one of them; empty if that is not known
 };
 
-/// The unit by GDAL, which reads the definition of a code, else by the words of the system (geo/map_unit.h).
+/// The unit by GDAL, which reads the definition of a code, else plane_unit_label() (cloud/axis_units.h).
 /// Requires: not degrees. Errors: those of image_module().
 CloudUnit cloud_unit(const Crs& crs);
 

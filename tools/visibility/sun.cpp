@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/words.h"
-#include "geo/map_unit.h"
+#include "cloud/axis_units.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/row_output.h"
@@ -130,7 +130,7 @@ void write_diagram(const SunCommand& command, const VisibilityCloud& cloud, cons
       });
   visibility::SkylineTexts texts{.title = fmt::format("Path of the sun over {}", observer.name),
                                  .note = {},
-                                 .unit = geo::height_unit(cloud.cloud.cloud.crs),
+                                 .unit = height_unit_label(cloud.cloud.cloud.crs),
                                  .curves = image_module().sun_curves(sun.schedule)};
   const double offset = sun.schedule.longitude / 15.0;
   const auto minutes = static_cast<int>(std::lround(std::fabs(offset) * 60.0));
