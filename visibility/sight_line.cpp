@@ -14,7 +14,6 @@
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
-#include "visibility/separate_crossings.h"
 
 namespace alidade::visibility {
 

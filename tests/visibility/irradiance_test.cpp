@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sky/irradiance.h"
+#include "visibility/sky/sun_path.h"
 
 #include <gtest/gtest.h>
 

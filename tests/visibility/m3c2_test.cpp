@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/change/m3c2.h"
+#include "visibility/change/change.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,6 @@
 #include "octree/local_plane.h"
 #include "tests/support/random.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/change/change.h"
 
 namespace alidade::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/points/placement.h"
+#include "visibility/points/coverage_image.h"
 
 #include <gtest/gtest.h>
 #include <filesystem>

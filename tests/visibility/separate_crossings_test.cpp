@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/separate_crossings.h"
+#include "visibility/crossing.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,6 @@
 #include "octree/spacing.h"
 #include "tests/support/random.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/crossing.h"
 
 namespace alidade {
 

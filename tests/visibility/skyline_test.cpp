@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/horizon/skyline.h"
+#include "visibility/horizon/skyline_image.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/points/coverage.h"
+#include "visibility/points/placement.h"
 
 #include <gtest/gtest.h>
 

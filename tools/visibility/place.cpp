@@ -9,7 +9,6 @@
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
-#include "visibility/points/coverage.h"
 #include "visibility/points/placement.h"
 
 namespace alidade::tools {

@@ -2,7 +2,6 @@
 #include "visibility/change/change.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -10,6 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <span>
+#include <vector>
 
 #include "base/error.h"
 #include "octree/local_plane.h"
@@ -17,7 +17,6 @@
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
-#include "visibility/change/m3c2.h"
 
 namespace alidade::visibility {
 namespace {
@@ -363,6 +362,26 @@ std::optional<double> median(HugeVector<float>& values) {
   return *middle;
 }
 
+/// The hits within a window around t. Requires hits in order of t.
+std::span<const Hit> around(std::span<const Hit> hits, double t, double window) {
+  const auto begin = std::ranges::lower_bound(hits, t - window, {}, &Hit::t);
+  const auto end = std::ranges::upper_bound(hits, t + window, {}, &Hit::t);
+  return {begin, end};
+}
+
+double mean_of(std::span<const Hit> hits) {
+  double sum = 0.0;
+  for (const Hit& hit : hits) sum += hit.t;
+  return sum / static_cast<double>(hits.size());
+}
+
+double deviation_of(std::span<const Hit> hits, double mean) {
+  if (hits.size() < 2) return 0.0;
+  double sum = 0.0;
+  for (const Hit& hit : hits) sum += (hit.t - mean) * (hit.t - mean);
+  return std::sqrt(sum / static_cast<double>(hits.size() - 1));
+}
+
 }  // namespace
 
 const char* name_of(ChangeClass kind) {
@@ -435,6 +454,38 @@ std::vector<ChangeSummary> summaries_of(const PointChanges& changes, const Occlu
     summary.median_detection_level = median_of(changes.detection_levels);
   }
   return summaries;
+}
+
+std::optional<CylinderSurface> nearest_surface(const Octree& octree, const Cylinder& cylinder, double t,
+                                               const CountedPoints& counts) {
+  constexpr int k_most_steps = 8;
+  RayQuery query{.radius = cylinder.radius, .measure = Measure::t};
+  if (counts) query.filter = [&counts](const Candidate& point) { return counts(point.point_id); };
+  const Ray axis{cylinder.center, cylinder.axis, -cylinder.half_length, cylinder.half_length};
+  const std::vector<Hit> all = find(octree, axis, query);
+  if (all.empty()) return std::nullopt;
+  double mean = std::ranges::min_element(all, {}, [t](const Hit& hit) { return std::fabs(hit.t - t); })->t;
+  std::span<const Hit> surface;
+  for (int step = 0; step < k_most_steps; ++step) {
+    const std::span<const Hit> next = around(all, mean, cylinder.window);
+    // The mean of two halves may be far from all points.
+    if (next.empty() || (next.data() == surface.data() && next.size() == surface.size())) break;
+    surface = next;
+    mean = mean_of(surface);
+  }
+  // Relative to the centre, since sums of map coordinates would lose digits.
+  glm::dvec3 sum(0.0);
+  for (const Hit& hit : surface) sum += hit.position - cylinder.center;
+  return CylinderSurface{surface.size(), mean, deviation_of(surface, mean),
+                         cylinder.center + sum / static_cast<double>(surface.size())};
+}
+
+double detection_level(const CylinderSurface& one, const CylinderSurface& other, double registration_error) {
+  constexpr double k_confidence = 1.96;  // of a normal distribution, 95 % lie within so many deviations
+  const auto variance = [](const CylinderSurface& surface) {
+    return surface.deviation * surface.deviation / static_cast<double>(surface.count);
+  };
+  return k_confidence * (std::sqrt(variance(one) + variance(other)) + registration_error);
 }
 
 }  // namespace alidade::visibility

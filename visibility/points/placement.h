@@ -1,15 +1,79 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <vector>
 
-#include "image/canvas.h"
-#include "image/font.h"
-#include "visibility/points/coverage.h"
+#include "base/checkpoint.h"
+#include "base/progress.h"
+#include "octree/octree.h"
+#include "visibility/observers.h"
 #include "visibility/row_text.h"
+#include "visibility/sight_line.h"
+
+namespace alidade::visibility {
+
+/// Checks the memory before a run. Errors: not enough memory for a Coverage and see_targets();
+/// the message has the amount.
+void check_coverage(std::size_t candidates, std::size_t targets);
+
+/// Which candidates see which targets: a bit for each pair.
+class Coverage {
+ public:
+  /// Without any bit set. Errors: those of check_coverage().
+  Coverage(std::size_t candidates, std::size_t targets);
+
+  std::size_t candidates() const { return candidates_; }
+  std::size_t targets() const { return targets_; }
+  bool sees(std::size_t candidate, std::size_t target) const {
+    return (row(candidate)[target / 64] >> (target % 64) & 1) != 0;
+  }
+  void set(std::size_t candidate, std::size_t target) {
+    words_[candidate * row_words_ + target / 64] |= std::uint64_t{1} << (target % 64);
+  }
+  /// Sets the words of row() from `first` on. Requires that no bit after the last target is set.
+  void set_words(std::size_t candidate, std::size_t first, std::span<const std::uint64_t> words) {
+    std::ranges::copy(words, words_.begin() + static_cast<std::ptrdiff_t>(candidate * row_words_ + first));
+  }
+  /// Target i is bit i % 64 of word i / 64; bits after the last target are 0.
+  std::span<const std::uint64_t> row(std::size_t candidate) const {
+    return std::span(words_).subspan(candidate * row_words_, row_words_);
+  }
+
+ private:
+  std::size_t candidates_, targets_, row_words_;
+  std::vector<std::uint64_t> words_;
+};
+
+/// A point to be seen.
+struct PlacementTarget {
+  std::uint64_t point_id = 0;
+  glm::dvec3 position{0.0};  ///< of the point
+};
+
+/// Follows a sight line from every candidate to every target in its field of view and reach. With a `height`
+/// of 0 lines end on the points (end_on_point()); else so many metres straight above them. Candidates that
+/// are on a surface see over it (end_near_surface()). `progress` is in sight lines. The same on any number of
+/// threads. Cost: candidates times targets, up to a microsecond each; fast if targets near each other follow
+/// each other. Memory: a bit per pair, and 40 B per target. Finished blocks, with a bit per line, are kept in
+/// `parts` unless it is null. Errors: those of Coverage; height negative or not finite.
+Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
+                     std::span<const PlacementTarget> targets, double height, const Progress& progress = {},
+                     PartCheckpoint* parts = nullptr);
+
+/// Some points that represent all: of the counted points of every cubic cell of a grid, the one nearest to
+/// the cell's middle, of equally near ones the one with the lowest id. They are in the order of the octree,
+/// which has neighbours together. `counts`: empty for all. `progress` is in points. Cost: about 100 ns per
+/// point. Memory: 140 B per cell with points, 32 B afterwards. Errors: spacing not above 0 or not finite, or
+/// finer than 2^-21 of the cloud's longest side; not enough memory.
+std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
+                                         const std::function<bool(std::uint64_t point_id)>& counts = {},
+                                         const Progress& progress = {});
 
 // A choice of a few positions that together see most targets. The best choice of k of n candidates is hard to
 // find (maximum coverage is NP-hard). Choosing each time the candidate that adds most reaches at least
@@ -17,8 +81,6 @@
 // Nemhauser, Wolsey, Fisher, An analysis of approximations for maximizing submodular set functions, 1978;
 // Feige, A threshold of ln n for approximating set cover, 1998. Results are mostly far better than that,
 // as the bound below shows (Leskovec et al., Cost-effective outbreak detection in networks, 2007).
-
-namespace alidade::visibility {
 
 struct ChosenPosition {
   std::size_t candidate = 0;
@@ -48,14 +110,5 @@ Placement choose_places(const Coverage& coverage, std::size_t count, std::span<c
 bool write_placement(const Placement& placement, std::span<const Observer> candidates, RowForm form,
                      const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,
                      bool overwrite);
-
-/// The curve of what the positions cover: a bar per position in the order they were chosen, its height the
-/// share of all targets in percent, its gain in a darker tone; a line at Placement::best_possible.
-/// Black on white, 900 by 560 pixels. Requires at least one position and a total above 0.
-image::Canvas draw_coverage(const Placement& placement, const image::Font& font);
-
-/// Writes the image of draw_coverage() as PNG, with the font of find_font(). Errors: those of
-/// find_font() and write_png().
-void write_coverage_image(const Placement& placement, const std::filesystem::path& file, bool overwrite);
 
 }  // namespace alidade::visibility

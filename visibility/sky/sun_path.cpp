@@ -2,12 +2,20 @@
 #include "visibility/sky/sun_path.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <optional>
+#include <string>
 
 #include "base/error.h"
+#include "base/exact_math.h"
 #include "geo/earth.h"
 #include "geo/sun.h"
+#include "visibility/horizon/skyline_image.h"
 
 namespace alidade::visibility {
 namespace {
@@ -104,6 +112,62 @@ class WholeHours {
   double all_ = 0.0, up_ = 0.0;  ///< hours
 };
 
+/// Optical thickness of clean dry air, per air mass. Source: Kasten 1996, as in Rigollier et al.
+/// 2000, equations 11 and 12.
+double rayleigh_thickness(double mass) {
+  constexpr double k_low_sun = 20.0;
+  if (mass > k_low_sun) return 1.0 / (10.4 + 0.718 * mass);
+  return 1.0 / (6.6296 + mass * (1.7513 + mass * (-0.1202 + mass * (0.0065 - 0.00013 * mass))));
+}
+
+double rounded_irradiance(double irradiance) {
+  return std::round(irradiance * 1e4) / 1e4;
+}
+
+struct DayPath {
+  unsigned month, day;
+  const char* label;
+  image::Rgb8 color;
+  bool has_hours;  ///< named
+};
+
+/// The days of the solstices and an equinox, the highest path of the north first.
+constexpr std::array<DayPath, 3> k_days{{{6, 21, "21 June", {214, 96, 0}, true},
+                                         {3, 20, "20 March, 23 September", {20, 120, 70}, false},
+                                         {12, 21, "21 December", {30, 80, 190}, true}}};
+
+/// A part of a day, from local midnight on, in one step or several; times in hours.
+std::vector<SunStep> steps_of_day(const SunSchedule& schedule, std::chrono::year_month_day date, double begin,
+                                  double end, double step_hours) {
+  constexpr double k_seconds_per_hour = 3600.0;
+  const auto moment = [&](double hours) {
+    const double seconds = hours * k_seconds_per_hour - schedule.longitude / 360.0 * k_seconds_per_day;
+    const double days = std::floor(seconds / k_seconds_per_day);
+    return Moment{std::chrono::sys_days(date) + std::chrono::days(static_cast<int>(days)),
+                  seconds - days * k_seconds_per_day};
+  };
+  SunSchedule part = schedule;
+  part.from = moment(begin);
+  part.to = moment(end);
+  part.step_minutes = 60.0 * step_hours;
+  part.weather = nullptr;
+  part.period = SunPeriod::whole;
+  return sun_steps(part);
+}
+
+glm::dvec2 position_of(const SunStep& step) {
+  return {step.azimuth, step.elevation};
+}
+
+/// Azimuth and elevation of the sun at an hour, if it is up.
+std::optional<glm::dvec2> position_at(const SunSchedule& schedule, const std::chrono::year_month_day& date,
+                                      int hour) {
+  constexpr double k_around = 0.05;  // hours; the step is longer than that, so that there is one
+  const std::vector<SunStep> steps = steps_of_day(schedule, date, hour - k_around, hour + k_around, 1.0);
+  if (steps.empty()) return {};
+  return position_of(steps.front());
+}
+
 }  // namespace
 
 std::vector<std::string> sun_periods(const SunSchedule& schedule) {
@@ -191,6 +255,63 @@ bool place_schedule(const Crs& crs, const glm::dvec2& center,
   schedule.longitude = latitude_longitude ? latitude_longitude->y : ground->longitude;
   schedule.grid_north = ground ? geo::rounded_degrees(ground->grid_north) : 0.0;
   return ground.has_value();
+}
+
+double extraterrestrial_irradiance(double day_of_year) {
+  constexpr double k_solar_constant = 1367.0, k_days = 365.25;
+  constexpr double k_eccentricity = 0.03344, k_perihelion = 0.048869;
+  const double turn = 2.0 * std::numbers::pi * day_of_year / k_days;
+  return k_solar_constant * (1.0 + k_eccentricity * std::cos(turn - k_perihelion));
+}
+
+double beam_irradiance(double elevation, double day_of_year, const ClearAir& air) {
+  if (!(elevation > 0.0)) return 0.0;
+  const double mass = geo::air_mass(elevation) * std::exp(-air.height / 8434.5);
+  return rounded_irradiance(extraterrestrial_irradiance(day_of_year) *
+                            std::exp(-0.8662 * air.linke_turbidity * mass * rayleigh_thickness(mass)));
+}
+
+double diffuse_irradiance(double elevation, double day_of_year, const ClearAir& air) {
+  if (!(elevation > 0.0)) return 0.0;
+  constexpr double k_least = 0.0022;  // of the sky's transmission where the sun is at the horizon
+  const double t = air.linke_turbidity, sine = sine_cosine_of_degrees(elevation).sine;
+  const double transmission = -0.015843 + t * (0.030543 + t * 0.0003797);
+  const double constant = std::max(0.26463 + t * (-0.061581 + t * 0.0031408), k_least / transmission),
+               linear = 2.04020 + t * (0.018945 - t * 0.011161),
+               square = -1.3025 + t * (0.039231 + t * 0.0085079);
+  return rounded_irradiance(extraterrestrial_irradiance(day_of_year) * transmission *
+                            (constant + sine * (linear + sine * square)));
+}
+
+std::vector<SkylineCurve> sun_curves(const SunSchedule& schedule) {
+  using std::chrono::day, std::chrono::month;
+  constexpr double k_step = 1.0 / 12.0;  // hours
+  constexpr int k_days_apart = 7;        // 26 times from solstice to solstice
+  constexpr image::Rgb8 k_faint{150, 160, 175};
+  const std::chrono::year year = std::chrono::year_month_day(schedule.from.day).year();
+  const std::chrono::sys_days first = (year - std::chrono::years(1)) / month(12) / day(21),
+                              last = year / month(6) / day(21);
+  std::vector<SkylineCurve> curves;
+  for (int hour = 0; hour < 24; ++hour) {
+    SkylineCurve curve{.positions = {}, .color = k_faint, .width = 1.0};
+    for (std::chrono::sys_days at = first; at <= last; at += std::chrono::days(k_days_apart)) {
+      const std::optional<glm::dvec2> position = position_at(schedule, at, hour);
+      if (position) curve.positions.push_back(*position);
+    }
+    if (!curve.positions.empty()) curves.push_back(std::move(curve));
+  }
+  for (const DayPath& path : k_days) {
+    const std::chrono::year_month_day date = year / month(path.month) / day(path.day);
+    SkylineCurve curve{.positions = {}, .color = path.color, .label = path.label};
+    for (const SunStep& step : steps_of_day(schedule, date, 0.0, 24.0, k_step))
+      curve.positions.push_back(position_of(step));
+    for (int hour = 0; hour < 24; ++hour) {
+      const std::optional<glm::dvec2> position = position_at(schedule, date, hour);
+      if (position) curve.marks.push_back({*position, path.has_hours ? std::to_string(hour) : ""});
+    }
+    curves.push_back(std::move(curve));
+  }
+  return curves;
 }
 
 }  // namespace alidade::visibility

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/separate_crossings.h"
+#include "visibility/crossing.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +9,6 @@
 
 #include "base/ray.h"
 #include "octree/query.h"
-#include "visibility/crossing.h"
 
 namespace alidade::visibility {
 namespace {
