@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include "simulation/courtyard_houses.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <utility>
-
-#include "simulation/courtyard_parts.h"
 
 // Each wall is given from left to right as seen from outside, so the outside is to the right of the direction
 // from left to right.

@@ -8,27 +8,12 @@
 #include "simulation/shapes.h"
 #include "simulation/site.h"
 
-// The parts of courtyard(). Positions are in the site's own frame: metres, x east, y north, the
-// yard's paving at z = 0.
+// What the houses and things of courtyard() are made of. Positions are in the site's own frame: metres, x
+// east, y north, the yard's paving at z = 0.
 
 namespace alidade::simulation::courtyard_parts {
 
 using Objects = std::vector<SiteObject>;
-
-/// The rolling ground with lawns, paths and streets. Trees and houses outside the yard
-/// are placed on its height.
-shapes::Ground ground();
-
-/// Four wings round the yard, with gateway and arcade.
-void add_buildings(Objects& objects);
-/// Houses across the street and to both sides.
-void add_neighbours(Objects& objects);
-/// Trees, hedges and clipped balls.
-void add_plants(Objects& objects, const shapes::Ground& ground);
-/// Fountain, benches, lamp posts, barrels, stone balls, survey targets.
-void add_furniture(Objects& objects);
-/// Two cars in the yard's corner and one in the street.
-void add_cars(Objects& objects, const shapes::Ground& ground);
 
 constexpr glm::dvec3 k_up(0.0, 0.0, 1.0);
 
@@ -38,8 +23,6 @@ shapes::Box upright_box(const glm::dvec3& min, const glm::dvec3& max);
 shapes::Box turned_box(const glm::dvec3& center, const glm::dvec2& forward, const glm::dvec3& half_size);
 /// A post, pipe or branch between two points.
 shapes::Frustum rod(const glm::dvec3& from, const glm::dvec3& to, double from_radius, double to_radius);
-
-// courtyard_walls.cpp
 
 enum class Filling { window, door, passage };
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include "simulation/courtyard_parts.h"
+
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "simulation/courtyard_parts.h"
 #include "simulation/noise.h"
 
 namespace alidade::simulation::courtyard_parts {
