@@ -13,7 +13,9 @@
 
 #include "base/output_file.h"
 #include "base/parallel.h"
+#include "compare/read_compared_image.h"
 #include "compare/report/page.h"
+#include "compare/report/report_page.h"
 
 namespace alidade::compare {
 namespace {

@@ -43,9 +43,4 @@ struct PairOutcome {
 std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, const BatchOptions& options,
                                        const Progress& progress = {});
 
-/// The batch as one page, worst first, with small images, and with links to the reports of pairs, which are
-/// addressed from the folder of `page`. `reference` and `test` are the names of the two sides for people.
-std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::string& reference,
-                         const std::string& test, const std::filesystem::path& page);
-
 }  // namespace alidade::compare

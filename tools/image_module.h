@@ -4,7 +4,7 @@
 #include "compare/batch.h"
 #include "compare/comparison.h"
 #include "compare/difference_map.h"
-#include "compare/report/page.h"
+#include "compare/report/report_page.h"
 #include "geo/crs_library.h"
 #include "geo/earth.h"
 #include "geo/geopackage.h"

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "base/parallel.h"
-#include "compare/metrics/flip_model.h"
+#include "compare/metrics/flip_tile.h"
 #include "compare/metrics/pixel_sums.h"
 
 namespace alidade::compare {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "compare/metrics/flip_model.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/exact_math.h"
-#include "compare/metrics/flip_model.h"
 #include "compare/metrics/pixel_sums.h"
 #include "image/srgb.h"
 

@@ -1,17 +1,204 @@
 // SPDX-License-Identifier: MIT
-#include "compare/metrics/flip_model.h"
+#include "compare/metrics/flip_tile.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "compare/metrics/flip_tile.cpp"
 #include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
-#include "compare/metrics/flip_model.h"
-#include "compare/metrics/flip_rows-inl.h"
 #include "octree/simd/choose_table.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::compare::simd {
 namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using FloatLanes = hn::CappedTag<float, 16>;
+using FloatVector = hn::Vec<FloatLanes>;
+using IntLanes = hn::RebindToSigned<FloatLanes>;
+
+HWY_INLINE FloatVector set(float value) {
+  return hn::Set(FloatLanes(), value);
+}
+
+/// To 0 .. 1; NaN becomes 0. (Which of two operands a lane's maximum takes with NaN depends on the machine.)
+HWY_INLINE FloatVector clamped(FloatVector value) {
+  return hn::IfThenElseZero(hn::Gt(value, hn::Zero(FloatLanes())), hn::Min(value, set(1.0f)));
+}
+
+/// Relative error below 2e-7 for x in [1e-3, 2]. Source: Halley's method, twice, from the exponent divided by
+/// three.
+HWY_INLINE FloatVector cube_root(FloatVector x) {
+  const IntLanes ints;
+  const auto third = hn::Mul(hn::ConvertTo(FloatLanes(), hn::BitCast(ints, x)), set(1.0f / 3.0f));
+  auto y = hn::BitCast(FloatLanes(), hn::Add(hn::ConvertTo(ints, third), hn::Set(ints, 709921077)));
+  for (int i = 0; i < 2; ++i) {
+    const auto cube = hn::Mul(hn::Mul(y, y), y);
+    const auto twice = hn::Add(cube, cube);
+    y = hn::Mul(y, hn::Div(hn::Add(cube, hn::Add(x, x)), hn::Add(twice, x)));
+  }
+  return y;
+}
+
+/// Error below 2e-7 of the larger of 1 and the result, for x in [1e-37, 1e37]. Series: as binary_logarithm().
+HWY_INLINE FloatVector log2_of(FloatVector x) {
+  const IntLanes ints;
+  const auto bits = hn::BitCast(ints, x);
+  // The bits of sqrt(1/2): mantissas lie on both sides of 1.
+  const auto exponent = hn::ShiftRight<23>(hn::Sub(bits, hn::Set(ints, 0x3f3504f3)));
+  const auto mantissa = hn::BitCast(FloatLanes(), hn::Sub(bits, hn::ShiftLeft<23>(exponent)));
+  const auto s = hn::Div(hn::Sub(mantissa, set(1.0f)), hn::Add(mantissa, set(1.0f)));
+  const auto s2 = hn::Mul(s, s);
+  constexpr float k_twice_log2e = 2.88539008f;
+  auto sum = set(k_twice_log2e / 9.0f);
+  for (const float divisor : {7.0f, 5.0f, 3.0f, 1.0f})
+    sum = hn::Add(hn::Mul(sum, s2), set(k_twice_log2e / divisor));
+  return hn::Add(hn::ConvertTo(FloatLanes(), exponent), hn::Mul(s, sum));
+}
+
+/// 2^y, for y clamped to [-126, 126]. Relative error below 2e-7. Source: Taylor series around the nearest
+/// integer.
+HWY_INLINE FloatVector exp2_of(FloatVector y) {
+  const IntLanes ints;
+  y = hn::Min(hn::Max(y, set(-126.0f)), set(126.0f));
+  // Conversion cuts off, towards 0 on every machine; so the number is made positive first.
+  const auto whole = hn::Sub(hn::ConvertTo(ints, hn::Add(y, set(128.5f))), hn::Set(ints, 128));
+  const auto x = hn::Mul(hn::Sub(y, hn::ConvertTo(FloatLanes(), whole)), set(0.693147181f));
+  auto sum = set(1.0f / 5040.0f);
+  for (const float factor : {1.0f / 720.0f, 1.0f / 120.0f, 1.0f / 24.0f, 1.0f / 6.0f, 0.5f, 1.0f, 1.0f})
+    sum = hn::Add(hn::Mul(sum, x), set(factor));
+  const auto power = hn::ShiftLeft<23>(hn::Add(whole, hn::Set(ints, 127)));
+  return hn::Mul(sum, hn::BitCast(FloatLanes(), power));
+}
+
+/// base^exponent for base in [0, 1e30] and exponent in [0, 1]; 0^0 = 1.
+HWY_INLINE FloatVector power(FloatVector base, FloatVector exponent) {
+  constexpr float k_nearly_zero = 1e-30f;
+  const auto zero = hn::Zero(FloatLanes());
+  const auto result = exp2_of(hn::Mul(log2_of(hn::Max(base, set(k_nearly_zero))), exponent));
+  const auto is_zero = hn::And(hn::Le(base, zero), hn::Gt(exponent, zero));
+  return hn::IfThenElse(is_zero, zero, result);
+}
+
+// Filters along a row or across rows. A row's neighbours are `step` floats away: 1 along it, the pitch
+// across. Rows are worked in whole vectors, up to 16 columns beyond the last.
+
+HWY_INLINE FloatVector both(const float* from, std::ptrdiff_t away) {
+  const FloatLanes d;
+  return hn::Add(hn::LoadU(d, from - away), hn::LoadU(d, from + away));
+}
+
+HWY_INLINE FloatVector apart(const float* from, std::ptrdiff_t away) {
+  const FloatLanes d;
+  return hn::Sub(hn::LoadU(d, from + away), hn::LoadU(d, from - away));
+}
+
+/// to = taps over from.
+HWY_INLINE void filter_row(const float* from, std::ptrdiff_t step, int width, const HalfTaps& taps,
+                           float* to) {
+  const FloatLanes d;
+  const auto count = static_cast<std::ptrdiff_t>(taps.size());
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (std::ptrdiff_t x = 0; x < width; x += lanes) {
+    auto sum = hn::Mul(hn::LoadU(d, from + x), set(taps[0]));
+    for (std::ptrdiff_t k = 1; k < count; ++k)
+      sum = hn::Add(sum, hn::Mul(both(from + x, k * step), set(taps[static_cast<std::size_t>(k)])));
+    hn::StoreU(sum, d, to + x);
+  }
+}
+
+/// Applies two filters to one row in one pass, for blue-yellow.
+HWY_INLINE void filter_row_twice(const float* from, std::ptrdiff_t step, int width, const HalfTaps& first,
+                                 const HalfTaps& second, float* to_first, float* to_second) {
+  const FloatLanes d;
+  const auto count = static_cast<std::ptrdiff_t>(first.size());
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (std::ptrdiff_t x = 0; x < width; x += lanes) {
+    const auto middle = hn::LoadU(d, from + x);
+    auto sum = hn::Mul(middle, set(first[0])), other = hn::Mul(middle, set(second[0]));
+    for (std::ptrdiff_t k = 1; k < count; ++k) {
+      const auto pair = both(from + x, k * step);
+      sum = hn::Add(sum, hn::Mul(pair, set(first[static_cast<std::size_t>(k)])));
+      other = hn::Add(other, hn::Mul(pair, set(second[static_cast<std::size_t>(k)])));
+    }
+    hn::StoreU(sum, d, to_first + x);
+    hn::StoreU(other, d, to_second + x);
+  }
+}
+
+/// to = first over from_first + second over from_second.
+HWY_INLINE void filter_row_sum(const float* from_first, const float* from_second, std::ptrdiff_t step,
+                               int width, const HalfTaps& first, const HalfTaps& second, float* to) {
+  const FloatLanes d;
+  const auto count = static_cast<std::ptrdiff_t>(first.size());
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (std::ptrdiff_t x = 0; x < width; x += lanes) {
+    auto sum = hn::Mul(hn::LoadU(d, from_first + x), set(first[0]));
+    auto other = hn::Mul(hn::LoadU(d, from_second + x), set(second[0]));
+    for (std::ptrdiff_t k = 1; k < count; ++k) {
+      sum = hn::Add(sum, hn::Mul(both(from_first + x, k * step), set(first[static_cast<std::size_t>(k)])));
+      other =
+          hn::Add(other, hn::Mul(both(from_second + x, k * step), set(second[static_cast<std::size_t>(k)])));
+    }
+    hn::StoreU(hn::Add(sum, other), d, to + x);
+  }
+}
+
+/// Smoothed, first and second derivative along the row.
+HWY_INLINE void feature_row(const float* from, int width, const FlipFilters& filters, float* smooth,
+                            float* edge, float* point) {
+  const FloatLanes d;
+  const auto count = static_cast<std::ptrdiff_t>(filters.smooth.size());
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (std::ptrdiff_t x = 0; x < width; x += lanes) {
+    const auto middle = hn::LoadU(d, from + x);
+    auto smooth_sum = hn::Mul(middle, set(filters.smooth[0]));
+    auto point_sum = hn::Mul(middle, set(filters.point[0]));
+    auto edge_sum = hn::Zero(d);
+    for (std::ptrdiff_t k = 1; k < count; ++k) {
+      const auto tap = static_cast<std::size_t>(k);
+      const auto pair = both(from + x, k);
+      smooth_sum = hn::Add(smooth_sum, hn::Mul(pair, set(filters.smooth[tap])));
+      point_sum = hn::Add(point_sum, hn::Mul(pair, set(filters.point[tap])));
+      edge_sum = hn::Add(edge_sum, hn::Mul(apart(from + x, k), set(filters.edge[tap])));
+    }
+    hn::StoreU(smooth_sum, d, smooth + x);
+    hn::StoreU(edge_sum, d, edge + x);
+    hn::StoreU(point_sum, d, point + x);
+  }
+}
+
+HWY_INLINE FloatVector length(FloatVector x, FloatVector y) {
+  return hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+}
+
+/// Filters the results of feature_row() across rows: strength of edges and of points.
+HWY_INLINE void feature_columns(const float* smooth, const float* edge, const float* point,
+                                std::ptrdiff_t step, int width, const FlipFilters& filters, float* edges,
+                                float* points) {
+  const FloatLanes d;
+  const auto count = static_cast<std::ptrdiff_t>(filters.smooth.size());
+  const auto lanes = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+  for (std::ptrdiff_t x = 0; x < width; x += lanes) {
+    const auto middle = hn::LoadU(d, smooth + x);
+    auto edge_x = hn::Mul(hn::LoadU(d, edge + x), set(filters.smooth[0]));
+    auto point_x = hn::Mul(hn::LoadU(d, point + x), set(filters.smooth[0]));
+    auto point_y = hn::Mul(middle, set(filters.point[0]));
+    auto edge_y = hn::Zero(d);
+    for (std::ptrdiff_t k = 1; k < count; ++k) {
+      const auto tap = static_cast<std::size_t>(k);
+      const std::ptrdiff_t away = k * step;
+      const auto smooth_tap = set(filters.smooth[tap]);
+      edge_x = hn::Add(edge_x, hn::Mul(both(edge + x, away), smooth_tap));
+      point_x = hn::Add(point_x, hn::Mul(both(point + x, away), smooth_tap));
+      point_y = hn::Add(point_y, hn::Mul(both(smooth + x, away), set(filters.point[tap])));
+      edge_y = hn::Add(edge_y, hn::Mul(apart(smooth + x, away), set(filters.edge[tap])));
+    }
+    hn::StoreU(length(edge_x, edge_y), d, edges + x);
+    hn::StoreU(length(point_x, point_y), d, points + x);
+  }
+}
 
 struct Triple {
   FloatVector x, y, z;

@@ -7,7 +7,6 @@
 
 #include "base/output_file.h"
 #include "base/shown_text.h"
-#include "compare/batch.h"
 #include "compare/report/comparison_json.h"
 
 namespace alidade::compare {

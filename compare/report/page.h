@@ -7,8 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "compare/comparison.h"
-#include "compare/verdict.h"
+#include "compare/batch.h"
 
 namespace alidade::compare {
 
@@ -31,13 +30,9 @@ std::string script_json(std::string_view json);
 /// Writes a page, completely or not at all. Errors: those of OutputFile.
 void write_page(const std::string& page, const std::filesystem::path& file, bool overwrite);
 
-/// The comparison as one page of HTML that needs nothing else: no network, no other file, no server. Images
-/// and maps to swipe, blink and zoom, regions of change, figures with thresholds, histograms and the metadata
-/// of the files. Texts from files and their names are shown as text and never read as HTML. `warnings`:
-/// thresholds that only warn. Requires comparison.images. Errors: what encoding images reports. Cost:
-/// half a second to a second for 8 million pixels on two cores; memory: each map once more, 3 bytes per
-/// pixel, and the page.
-std::string report_page(const Comparison& comparison, const Verdict& verdict, image::ImagePacking packing,
-                        const Verdict& warnings = {});
+/// The batch as one page, worst first, with small images, and with links to the reports of pairs, which are
+/// addressed from the folder of `page`. `reference` and `test` are the names of the two sides for people.
+std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::string& reference,
+                         const std::string& test, const std::filesystem::path& page);
 
 }  // namespace alidade::compare

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "compare/report/page.h"
+#include "compare/report/report_page.h"
 
 #include <fmt/format.h>
 
 #include "base/parallel.h"
 #include "compare/report/comparison_json.h"
+#include "compare/report/page.h"
 #include "image/canvas.h"
 #include "image/font.h"
 

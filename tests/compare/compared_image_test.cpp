@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/compared_image.h"
+#include "compare/read_compared_image.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "compare/metrics/flip_model.h"
+#include "compare/metrics/flip_tile.h"
 #include "tests/compare/drawn_images.h"
 #include "tests/compare/plain_flip.h"
 

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "camera/camera.h"
-#include "compare/compared_image.h"
 #include "compare/photographs/alignment.h"
 #include "compare/photographs/color_match.h"
+#include "compare/read_compared_image.h"
 #include "renderer/render.h"
 #include "tests/support/absent_data.h"
 

@@ -9,6 +9,7 @@
 #include "compare/metrics/errors.h"
 #include "compare/metrics/flip.h"
 #include "compare/metrics/ssim.h"
+#include "compare/read_compared_image.h"
 #include "tests/support/absent_data.h"
 
 namespace alidade::test {

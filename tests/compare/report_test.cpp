@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compare/batch.h"
+#include "compare/report/report_page.h"
 #include "tests/compare/chromium.h"
 #include "tests/compare/image_files.h"
 

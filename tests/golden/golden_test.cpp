@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "compare/report/page.h"
+#include "compare/report/report_page.h"
 #include "tests/tools/run_program.h"
 
 // Images that must stay as they are: the last net behind the tests of light, cameras and colours. The same

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "compare/compared_image.h"
+#include "compare/read_compared_image.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
