@@ -112,9 +112,11 @@ struct Candidate {
 /// candidate whenever called, in any order and from several threads at once. It may be called for points that
 /// then are no part of the answer, and not for every point that meets the other conditions.
 ///
-/// `closest` of rays calls the filter for every such point before its answer, or for all of them if there is
-/// no answer. It may call it twice for a point, and for one query_index it calls it from one thread at a
-/// time. These two sentences do not apply to RayQuery::position_filter.
+/// `closest` of rays promises more, so that a filter can collect what a ray passes: it calls the filter for
+/// every such point before its answer, or for all of them if there is no answer, perhaps twice for a point,
+/// and for one query_index from one thread at a time. There a filter may first reject a point and admit it
+/// when called again, but must not reject a point that it has admitted. RayQuery::position_filter is called
+/// in the same way, but of the points of one position perhaps only for the one with the lowest id.
 using CandidateFilter = std::function<bool(const Candidate&)>;
 
 constexpr double k_unlimited_radius = std::numeric_limits<double>::infinity();

@@ -59,7 +59,8 @@ class Crossings {
 };
 
 /// A line whose crossings are being found. The filter of a query for the closest point collects them: it
-/// rejects all candidates until the crossings suffice, then admits the next one, which ends the query.
+/// rejects all candidates until the crossings suffice, then admits the next one, which ends the query. During
+/// a query the cut only moves nearer, so it never rejects a candidate that it has admitted (CandidateFilter).
 class OpenLine {
  public:
   OpenLine(const Occluders& occluders, const ChordLines& lines, std::size_t line)

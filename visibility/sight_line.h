@@ -68,8 +68,8 @@ struct OccluderOptions {
   std::shared_ptr<const TriangleTree> mesh{};
   /// A terrain that blocks in the same way; null: none.
   std::shared_ptr<const geo::TerrainSurface> terrain{};
-  /// Called from many threads at once, every some ten thousand lines; if it returns true, the call that
-  /// answers them ends with Cancelled. Empty: never.
+  /// Called before every 16384 lines or chords, on each thread that requests answers; if it returns true,
+  /// the request ends with Cancelled. Empty: never.
   std::function<bool()> is_given_up{};
 };
 
@@ -123,7 +123,7 @@ class Occluders {
 /// be rounded to millimetres.
 constexpr double k_mesh_contact = 0.001;
 
-/// Nothing nearer to a lone end than this blocks, in radii that the points have or would have as
+/// Nothing nearer to the lone end of a line than this blocks, in radii that the points have or would have as
 /// discs: some 1.8 spacings.
 constexpr double k_lone_radii = 2.0;
 
@@ -135,7 +135,7 @@ struct SightEnd {
   /// own sheet, or error_of_plane(), whichever is most. 0: an end in the air.
   double own_reach = 0.0, own_thickness = 0.0;
   /// A point without a surface among discs, as in foliage or at an edge: what a line meets within
-  /// k_lone_radii of it is of the same thing.
+  /// k_lone_radii of it is of the same thing. Applies to SightLine::to alone.
   bool is_lone = false;
   /// The end lies on triangles and terrain whose plane passes nearer than this, metres. 0: where chords of a
   /// line meet, and where a ray ends.
@@ -173,8 +173,8 @@ SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const 
                       const glm::dvec3& seen_from);
 
 /// A position on or a little above the ground or a roof as an end: the surface of the nearest point, as far
-/// as it passes near the position, is its own. If no point is within the typical radius, or the nearest has
-/// no surface, an end in the air. Cost: a microsecond.
+/// as it passes near the position, is its own. An end in the air if no point is within the typical radius,
+/// the nearest has no surface, or all points are spheres. Cost: a microsecond.
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position);
 
 /// Blocker::point_id of a mesh or terrain; no point has it.
@@ -195,16 +195,18 @@ struct Blocker {
 /// The first point that blocks, in the order of where the line crosses discs and enters spheres (with a given
 /// radius, and where all are spheres, of where it passes the points), then by point id; with a transparency
 /// of k, the one that makes the k-th separate crossing. The first crossing of the mesh or terrain instead if
-/// its distance is smaller. Empty: seen.
+/// its distance is smaller. Empty if nothing blocks. Errors: Cancelled.
 std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine& line);
 
 /// first_blocker() of many lines, in parallel, with the same answers on any number of threads and any
 /// instruction set. Lines that lie near each other should follow each other. Cost: 0.3 to some microseconds
-/// of one thread per line, and as many for a mesh or terrain. Errors: not as many answers as lines.
+/// of one thread per line, and as many for a mesh or terrain. Errors: not as many answers as lines;
+/// Cancelled.
 void first_blockers(const Occluders& occluders, std::span<const SightLine> lines,
                     std::span<std::optional<Blocker>> blockers);
 
-/// Whether lines have a first_blocker(), 1 or 0: faster.
+/// Whether lines have a first_blocker(), 1 or 0: faster, but for a transparency above 1. Errors: those of
+/// first_blockers().
 void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::span<std::uint8_t> answers);
 
 /// Lines of straight chords, one after another, which may overlap.
@@ -216,7 +218,7 @@ struct ChordLines {
 
 /// first_blocker() of lines of chords. Crossings are counted over all chords of a line, those of one point
 /// with two chords as one. Blocker::distance is from the line's start. Cost: that of the chords; with a
-/// transparency above 1 two to three times as much. Errors: not as many answers as lines.
+/// transparency above 1 two to three times as much. Errors: not as many answers as lines; Cancelled.
 void first_blockers(const Occluders& occluders, const ChordLines& lines,
                     std::span<std::optional<Blocker>> blockers);
 
