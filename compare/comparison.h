@@ -97,7 +97,7 @@ struct ComparisonImages {
   std::optional<DifferenceMap> color_map, flip_map, depth_map, agreement_map;
   std::vector<HistogramChart> histograms;
 
-  /// The maps that there are.
+  /// Those of FLIP, colours, depth and agreement that were made, in this order.
   std::vector<const DifferenceMap*> maps() const;
 };
 

@@ -40,7 +40,7 @@ struct MetricKind {
 /// All figures, in the order of tables.
 std::span<const MetricKind> metric_kinds();
 
-/// The figure of that name; null if there is none.
+/// The figure of that name; null if no figure has it.
 const MetricKind* find_metric(std::string_view name);
 
 /// A figure with its value, which may be infinite (PSNR of equal images) or NaN (nothing counted).

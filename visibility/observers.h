@@ -79,7 +79,7 @@ struct ObserverDefaults {
   double max_distance = std::numeric_limits<double>::infinity();
 };
 
-/// Height of the ground below a position; empty where there is none.
+/// Height of the ground below a position; empty where no ground is known.
 using GroundHeight = std::function<std::optional<double>(const glm::dvec2& position)>;
 
 /// Reads "X,Y,Z" or "X,Y". Errors: anything else, numbers that are not finite.

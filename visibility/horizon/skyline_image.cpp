@@ -112,7 +112,7 @@ void draw_view(const DepthStrip& strip, const DistanceScale& scale, const image:
   }
 }
 
-/// Row of the horizon in the middle of a column; empty if there is none.
+/// Row of the horizon in the middle of a column; empty if nothing blocks the view there.
 std::optional<double> horizon_row(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                                   const Frame& frame, int x) {
   const double azimuth =

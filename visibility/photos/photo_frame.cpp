@@ -14,13 +14,13 @@ namespace {
 /// Cosine of an angle to the axis that no direction in a frame exceeds, found along its edges; -2 if the lens
 /// has no view through some of these, or one too wide for a cone to help.
 double cosine_over_frame(const camera::Projection& projection) {
-  constexpr int k_steps = 32;
+  constexpr int k_intervals = 32;
   constexpr double k_widest = 80.0 / 180.0 * std::numbers::pi, k_margin = 1.02, k_unbounded = -2.0;
   const camera::Camera& camera = projection.camera();
   double least = 1.0;
-  for (int i = 0; i <= k_steps; ++i) {
-    const double x = camera.width * (static_cast<double>(i) / k_steps);
-    const double y = camera.height * (static_cast<double>(i) / k_steps);
+  for (int i = 0; i <= k_intervals; ++i) {
+    const double x = camera.width * (static_cast<double>(i) / k_intervals);
+    const double y = camera.height * (static_cast<double>(i) / k_intervals);
     for (const glm::dvec2& edge :
          {glm::dvec2(x, 0), glm::dvec2(x, camera.height), glm::dvec2(0, y), glm::dvec2(camera.width, y)}) {
       const std::optional<Ray> ray = projection.ray(edge);

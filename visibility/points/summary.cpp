@@ -242,7 +242,6 @@ class Summarizer {
   const Bounds box_;
 };
 
-/// Null if there is no value.
 template <class Value>
 Row or_null(const std::optional<Value>& value) {
   return value ? Row(*value) : Row(nullptr);

@@ -23,7 +23,7 @@ struct Stretch {
   double begin = 0.0, end = 1.0;
 };
 
-/// The part that lies over an area; if there is none, it ends before it begins.
+/// The part that lies over an area; it ends before it begins if the line passes beside the area.
 Stretch stretch_over(const Bounds& area, const glm::dvec3& from, const glm::dvec3& to) {
   constexpr Stretch k_none{1.0, 0.0};
   Stretch stretch;

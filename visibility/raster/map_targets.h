@@ -96,8 +96,8 @@ class MapObserver {
   double lower_slope_, upper_slope_;  ///< rise per length of the ground at the limits of the view
 };
 
-/// The part of an area that is in reach of any observer, in x and y. Errors: there is none; `who`: the
-/// observers, for the message.
+/// The part of an area that is in reach of any observer, in x and y. `who`: the observers, for the
+/// message. Errors: nothing of the area is in reach.
 Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers,
                      const std::string& who = "observer");
 

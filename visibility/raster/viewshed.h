@@ -35,8 +35,8 @@ enum class ViewshedMode {
 
 struct ViewshedOptions {
   ViewshedMode mode = ViewshedMode::visible;
-  /// Height of the targets above the ground; >= 0. In the unit of the cloud. For `height`:
-  /// the lowest that is tried.
+  /// Height of the targets above the ground; >= 0. In the unit of the cloud. For `height`: the lowest that is
+  /// tried.
   double target_height = 0.0;
   SightCurve curve{};  ///< straight unless given
   /// If the observers are samples of objects: the piece of each. Then the map shows what is seen of the
@@ -45,8 +45,8 @@ struct ViewshedOptions {
   /// For `fraction`: positions_across x positions_across positions in every cell, in
   /// [1, k_most_positions_across].
   int positions_across = 3;
-  /// For `height`: the highest that is tried, and the value if it is not seen, either.
-  /// In the unit of the cloud.
+  /// For `height`: the highest that is tried, > target_height, and the value if it is not seen, either. In the
+  /// unit of the cloud.
   double highest = 200.0;
   Progress progress{};              ///< in pairs of observer and position
   PartCheckpoint* parts = nullptr;  ///< where finished blocks of cells are kept; null: nowhere

@@ -29,8 +29,8 @@ struct SunHoursOptions {
   double albedo = 0.2;  ///< share of its light that the ground reflects, [0, 1]
   /// 0, or 1: light is reflected by everything that the receivers see (bounced_light.h), with one albedo.
   int bounces = 0;
-  /// A target without a surface receives as a small sphere does, on average: a quarter of the
-  /// light from all directions.
+  /// Every target receives as a small sphere does: a quarter of the light from each direction. For targets
+  /// without a surface; does not apply to fans and to `reflected`.
   bool is_sphere = false;
 };
 
@@ -58,8 +58,8 @@ glm::dvec3 tilted_normal(double tilt, double azimuth);
 ///
 /// With a bounce reflected light is that of a BouncedLight of these targets instead.
 ///
-/// Results do not depend on threads or instruction set. Requires targets times light.periods answers. Errors:
-/// fans without has_horizons(); albedo or bounces out of range. Cost: a line per target and bin, or a horizon
+/// Results do not depend on threads or instruction set. Requires targets times light.periods answers, target
+/// by target. Errors: fans without has_horizons(); albedo or bounces out of range. Cost: a line per target and bin, or a horizon
 /// (1 to 3 microseconds) per target and fan, in parallel; targets in the order of the octree are fast.
 void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,
                const SunHoursOptions& options, std::span<Radiation> answers);
