@@ -85,7 +85,7 @@ struct LinePoint {
   double distance = 0.0;  ///< to the line there, metres
 };
 
-/// The nearest point; of equally near ones the one with the lowest id. Empty if no point lies beside the line.
+/// The nearest point; of equally near ones the one with the lowest id. Empty if none lies beside the line.
 std::optional<LinePoint> nearest_point(const Occluders& occluders, const LineCurve& curve);
 
 /// All points of the curve's zone, by t, then by id. Cost: a ray's query, and their number.

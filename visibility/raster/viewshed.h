@@ -45,8 +45,8 @@ struct ViewshedOptions {
   /// For `fraction`: positions_across x positions_across positions in every cell, in
   /// [1, k_most_positions_across].
   int positions_across = 3;
-  /// For `height`: the highest that is tried, > target_height, and the value if it is not seen, either. In the
-  /// unit of the cloud.
+  /// For `height`: the highest that is tried, > target_height, and the value if it is not seen, either. In
+  /// the unit of the cloud.
   double highest = 200.0;
   Progress progress{};              ///< in pairs of observer and position
   PartCheckpoint* parts = nullptr;  ///< where finished blocks of cells are kept; null: nowhere

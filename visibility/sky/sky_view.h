@@ -84,17 +84,17 @@ struct SkyViewOptions {
 /// halves with 2.5 times as many. Lines start at the target's ends (sight_line.h). Sources: Johnson and
 /// Watson, The Determination of View-Factors in Urban Canyons, 1984; for slopes Dozier and Frew, Rapid
 /// Calculation of Terrain Parameters for Radiation Modeling From Digital Elevation Data, 1990. Errors:
-/// number of directions out of range; max_distance negative or NaN. Requires as many views as targets. Cost: a line per target and direction, in
-/// parallel; fast if neighbours among the targets are neighbours in space, in batches of 10^4 to 10^5.
-/// With has_horizons(): a horizon in each of `directions` even azimuths instead, and the integral above
-/// it: the error is that of the azimuths alone.
+/// number of directions out of range; max_distance negative or NaN. Requires as many views as targets. Cost:
+/// a line per target and direction, in parallel; fast if neighbours among the targets are neighbours in
+/// space, in batches of 10^4 to 10^5. With has_horizons(): a horizon in each of `directions` even azimuths
+/// instead, and the integral above it: the error is that of the azimuths alone.
 void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, const SkyViewOptions& options,
                std::span<float> views);
 
 /// Turns every target that has a surface and no is_front_open so that its front is the side with the larger
 /// sky-view factor (SkyReceiver::surface, of `directions` lines), or at equal values, and for surfaces within
-/// 20 degrees of the horizontal, the side that faces up, and sets is_front_open. For a wall that stands alone and was scanned from
-/// one side, both sides see as much sky: only normals can decide.
+/// 20 degrees of the horizontal, the side that faces up, and sets is_front_open. For a wall that stands alone
+/// and was scanned from one side, both sides see as much sky: only normals can decide.
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets);
 
 /// Both shares of the sky that an eye sees, including gaps below its horizon line, with `directions` lines
