@@ -33,8 +33,8 @@ std::string projection_of(const GdalReference& reference) {
   return name != nullptr ? name : "";
 }
 
-/// Whether an axis counts westwards, as in Krovak's older system (EPSG:5513). (South is a direction of polar systems,
-/// too, which not all programs write.)
+/// Whether an axis counts westwards, as in Krovak's older system (EPSG:5513). (South is a direction of polar
+/// systems, too, which not all programs write.)
 bool is_mirrored(const GdalReference& reference) {
   for (int axis = 0; axis < 2; ++axis) {
     OGRAxisOrientation direction = OAO_Other;
@@ -44,8 +44,8 @@ bool is_mirrored(const GdalReference& reference) {
   return false;
 }
 
-/// x and y of a system without what does not affect them in clouds, whose x is always east (or west): the order of
-/// axes, and parameters to other datums.
+/// x and y of a system without what does not affect them in clouds, whose x is always east (or west): the
+/// order of axes, and parameters to other datums.
 GdalReference plane_of(const GdalReference& reference) {
   GdalReference plane(OSRClone(reference.get()));
   OSRStripVertical(plane.get());

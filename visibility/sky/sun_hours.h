@@ -59,8 +59,8 @@ glm::dvec3 tilted_normal(double tilt, double azimuth);
 /// With a bounce reflected light is that of a BouncedLight of these targets instead.
 ///
 /// Results do not depend on threads or instruction set. Requires targets times light.periods answers, target
-/// by target. Errors: fans without has_horizons(); albedo or bounces out of range. Cost: a line per target and
-/// bin, or a horizon (1 to 3 microseconds) per target and fan, in parallel; targets in the order of the
+/// by target. Errors: fans without has_horizons(); albedo or bounces out of range. Cost: a line per target
+/// and bin, or a horizon (1 to 3 microseconds) per target and fan, in parallel; targets in the order of the
 /// octree are fast.
 void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,
                const SunHoursOptions& options, std::span<Radiation> answers);
