@@ -20,7 +20,7 @@
 // cloud's files, so that one file replaces the LAS and is queried without building anything. Flat
 // little-endian arrays; docs/index_file.md has them byte by byte.
 //
-//   save_index("site.alidade", build(cloud), cloud);
+//   save_index("site.alidade", build(cloud), cloud);  // octree/index_file/save_index.h
 //   const IndexFile index = open_index("site.alidade");
 //   if (std::optional<Hit> hit = closest(index.octree(), ray, {.radius = 0.05}))
 //     use(index.columns().colors[hit->point_id]);
