@@ -95,8 +95,8 @@ visibility::Occluders measured_occluders(const Octree& octree, std::span<const s
                                          const std::bitset<256>& ignored, visibility::OccluderOptions options,
                                          Verbosity verbosity);
 
-/// measured_occluders() of a cloud; prints what blocks sight. May take long: check all else before. Errors: as
-/// Occluders.
+/// measured_occluders() of a cloud; prints what blocks sight. May take long: check all else before. Errors:
+/// as Occluders.
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);
 
 /// make_ground() below a cloud, with its progress shown, raised to the terrain; the terrain's without points.
