@@ -19,8 +19,8 @@ class PrepareTest : public SqliteTest {
     database_.emplace(file_, Connection::Mode::read);
   }
 
-  /// The first column of all rows, sorted.
-  std::vector<double> ask(const std::string& sql, bool is_pruned = true) {
+  /// That of all rows, sorted.
+  std::vector<double> first_column(const std::string& sql, bool is_pruned = true) {
     const Prepared prepared = prepare(database_->get(), sql);
     EXPECT_EQ(!prepared.pruned.empty(), is_pruned) << sql << ": " << prepared.reason;
     std::vector<double> found;
@@ -34,7 +34,7 @@ class PrepareTest : public SqliteTest {
 
   std::string error_of(const std::string& sql) {
     try {
-      ask(sql);
+      first_column(sql);
     } catch (const Error& error) {
       return error.what();
     }
@@ -64,8 +64,8 @@ TEST_F(PrepareTest, the_papers_statements_equal_brute_force_on_100_rays) {
       if (signed_distance(plane, cloud_.world(id)) >= 0) ahead.push_back(static_cast<double>(id));
     }
     const std::string near_sql = "SELECT id FROM points WHERE dist_ray(" + numbers + ", x,y,z) <= 1";
-    EXPECT_EQ(ask(near_sql), near);
-    EXPECT_EQ(ask(near_sql + " AND dist_plane(" + numbers + ", x,y,z) >= 0"), ahead);
+    EXPECT_EQ(first_column(near_sql), near);
+    EXPECT_EQ(first_column(near_sql + " AND dist_plane(" + numbers + ", x,y,z) >= 0"), ahead);
     found += near.size();
   }
   EXPECT_GT(found, 100u);
@@ -73,14 +73,14 @@ TEST_F(PrepareTest, the_papers_statements_equal_brute_force_on_100_rays) {
 }
 
 TEST_F(PrepareTest, chunks_and_points_are_counted) {
-  ask("SELECT id FROM points WHERE dist_ray(690050,5325050,410, 0,0,1, x,y,z) <= 1");
+  first_column("SELECT id FROM points WHERE dist_ray(690050,5325050,410, 0,0,1, x,y,z) <= 1");
   const ScanReads reads = database_->reads();
   EXPECT_EQ(reads.scans, 1u);
   EXPECT_EQ(reads.chunks, 100u);
   EXPECT_GT(reads.chunks_read, 0u);
   EXPECT_LT(reads.chunks_read, 10u);
   EXPECT_EQ(reads.points_read, 50 * reads.chunks_read);
-  ask("SELECT id FROM points", false);
+  first_column("SELECT id FROM points", false);
   EXPECT_EQ(database_->reads().chunks_read, 100 + reads.chunks_read);
   EXPECT_EQ(database_->reads().rows_given, 5000 + reads.rows_given);
 }
@@ -108,7 +108,7 @@ TEST_F(PrepareTest, null_and_limits_that_no_distance_meets_give_no_rows) {
         "NOT " + ray + " <= NULL", std::string("dist_ray(NULL,5325050,410, 0,0,1, x,y,z) <= 1"),
         std::string("dist_plane(690050,5325050,410, 0,NULL,1, x,y,z) >= 0"),
         std::string("dist_ray(690050,5325050,410, 0,0,(1e999 - 1e999), x,y,z) <= 1")})
-    EXPECT_TRUE(ask("SELECT id FROM points WHERE " + condition).empty()) << condition;
+    EXPECT_TRUE(first_column("SELECT id FROM points WHERE " + condition).empty()) << condition;
 }
 
 TEST_F(PrepareTest, a_limit_that_is_null_hides_no_error) {
@@ -139,19 +139,22 @@ TEST_F(PrepareTest, what_may_answer_differently_each_time_gets_no_limit) {
 
 TEST_F(PrepareTest, operators_that_call_functions_give_errors_only_where_rows_meet_them) {
   EXPECT_TRUE(
-      ask("SELECT id FROM points WHERE id < 0 AND dist_ray(690050,5325050,410, 0,0,1, x,y,z) <= ('{' -> 'a')",
+      first_column(
+          "SELECT id FROM points WHERE id < 0 AND dist_ray(690050,5325050,410, 0,0,1, x,y,z) <= ('{' -> 'a')",
           false)
           .empty());
   EXPECT_TRUE(
-      ask("SELECT id FROM points WHERE id < 0 AND dist_ray(0,0,('{' ->> 'a'), 0,0,1, x,y,z) <= 1", false)
+      first_column("SELECT id FROM points WHERE id < 0 AND dist_ray(0,0,('{' ->> 'a'), 0,0,1, x,y,z) <= 1",
+                   false)
           .empty());
 }
 
 TEST_F(PrepareTest, a_byte_order_mark_between_tokens_is_blank) {
   const std::string distance = "dist_ray(690050,5325050,9999, 1,0,0, x,y,z)";
-  EXPECT_EQ(ask("SELECT id FROM points WHERE z \ufeffBETWEEN 0 AND " + distance + " = 1", false),
-            ask("SELECT id FROM points WHERE (z BETWEEN 0 AND " + distance + ") = 1", false));
-  EXPECT_EQ(ask("\ufeffSELECT id AS a\ufeff FROM points WHERE \ufeff" + distance + " <= 1 ORDER BY a\ufeff"),
+  EXPECT_EQ(first_column("SELECT id FROM points WHERE z \ufeffBETWEEN 0 AND " + distance + " = 1", false),
+            first_column("SELECT id FROM points WHERE (z BETWEEN 0 AND " + distance + ") = 1", false));
+  EXPECT_EQ(first_column("\ufeffSELECT id AS a\ufeff FROM points WHERE \ufeff" + distance +
+                         " <= 1 ORDER BY a\ufeff"),
             std::vector<double>());
 }
 
@@ -163,7 +166,7 @@ TEST_F(PrepareTest, text_for_numbers_and_wrong_counts_are_errors) {
                 .find("wrong number of arguments"),
             std::string::npos);
   // In SQLite a number is less than any text.
-  EXPECT_EQ(ask("SELECT id FROM points WHERE dist_ray(1,2,3, 0,0,1, x,y,z) <= '1'").size(), 5000u);
+  EXPECT_EQ(first_column("SELECT id FROM points WHERE dist_ray(1,2,3, 0,0,1, x,y,z) <= '1'").size(), 5000u);
 }
 
 TEST_F(PrepareTest, errors_name_line_and_column_of_the_statement) {

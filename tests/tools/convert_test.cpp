@@ -127,9 +127,9 @@ TEST_F(ConvertTest, every_command_that_writes_las_writes_laz) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "site.las", "-q"}).exit_code, 0);
   EXPECT_EQ(run({"convert", "site.laz", "-o", "again.las", "-q"}).exit_code, 0);
   EXPECT_TRUE(read("again.las") == read("site.las"));
-  const Words ask = {"query", "site.las", "--point", "690005,5324990,601", "--radius", "1", "-q", "-o"};
-  EXPECT_EQ(run(with(ask, {"near.las"})).exit_code, 0);
-  EXPECT_EQ(run(with(ask, {"near.laz"})).exit_code, 0);
+  const Words query = {"query", "site.las", "--point", "690005,5324990,601", "--radius", "1", "-q", "-o"};
+  EXPECT_EQ(run(with(query, {"near.las"})).exit_code, 0);
+  EXPECT_EQ(run(with(query, {"near.laz"})).exit_code, 0);
   EXPECT_EQ(read_cloud(folder / "near.laz").positions, read_cloud(folder / "near.las").positions);
   const Words look = {"visibility", "points", "site.las", "--observer", "690005,5324990,601.7", "-q", "-o"};
   EXPECT_EQ(run(with(look, {"seen.laz"})).exit_code, 0);

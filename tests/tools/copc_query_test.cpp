@@ -24,7 +24,7 @@ class CopcQueryTest : public ProgramTest {
           "689950,5324950,480,1,1,0\n0,0,0,1,0,0\n");
   }
 
-  ProgramResult ask(Words words) {
+  ProgramResult query(Words words) {
     words.insert(words.begin(), {"query", "site.copc.laz", "-q"});
     return run(words);
   }
@@ -33,7 +33,7 @@ class CopcQueryTest : public ProgramTest {
   void expect_same(const Words& words) {
     Words loaded = words;
     loaded.push_back("--load");
-    const ProgramResult in_place = ask(words), expected = ask(loaded);
+    const ProgramResult in_place = query(words), expected = query(loaded);
     EXPECT_EQ(in_place.exit_code, 0) << in_place.err;
     EXPECT_EQ(in_place.out, expected.out);
     EXPECT_GT(std::count(in_place.out.begin(), in_place.out.end(), '\n'), 2);
@@ -57,15 +57,15 @@ TEST_F(CopcQueryTest, answers_in_position_have_the_bytes_of_those_of_the_loaded_
 }
 
 TEST_F(CopcQueryTest, explain_prints_how_much_of_the_file_was_read) {
-  const ProgramResult result = ask({"--ray", "690000,5325000,600,0,0,-1", "--radius", "0.5", "--explain"});
+  const ProgramResult result = query({"--ray", "690000,5325000,600,0,0,-1", "--radius", "0.5", "--explain"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(contains(result.err, "nodes visited"));
   EXPECT_TRUE(contains(result.err, "chunks"));
   EXPECT_TRUE(contains(result.err, "points decoded"));
-  const ProgramResult all = ask({"--box", "-inf,-inf,-inf,inf,inf,inf", "--explain", "--count"});
+  const ProgramResult all = query({"--box", "-inf,-inf,-inf,inf,inf,inf", "--explain", "--count"});
   EXPECT_TRUE(contains(all.err, "100.00%")) << all.err;
   EXPECT_TRUE(contains(all.err, std::to_string(nodes_))) << all.err;
-  EXPECT_FALSE(contains(ask({"--point", "0,0,0", "--explain", "--load"}).err, "chunks"));
+  EXPECT_FALSE(contains(query({"--point", "0,0,0", "--explain", "--load"}).err, "chunks"));
 }
 
 TEST_F(CopcQueryTest, little_memory_gives_the_same_answers) {
@@ -73,14 +73,14 @@ TEST_F(CopcQueryTest, little_memory_gives_the_same_answers) {
   const Words words = {"--rays", "rays.csv", "--radius", "2"};
   Words narrow = words;
   narrow.insert(narrow.end(), {"--memory", "4k"});
-  EXPECT_EQ(ask(narrow).out, ask(words).out);
+  EXPECT_EQ(query(narrow).out, query(words).out);
 }
 
 TEST_F(CopcQueryTest, memory_without_a_copc_file_in_position_is_an_error) {
   for (const Words& words : {Words{"--load"}, Words{"--max-level", "2"}}) {
     Words all = {"--point", "0,0,0", "--memory", "1M"};
     all.insert(all.end(), words.begin(), words.end());
-    const ProgramResult result = ask(all);
+    const ProgramResult result = query(all);
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_TRUE(contains(result.err, "--memory requires a COPC query without --load")) << result.err;
   }
@@ -115,7 +115,7 @@ TEST_F(CopcQueryTest, points_outside_their_cube_are_one_error_on_any_number_of_t
 }
 
 TEST_F(CopcQueryTest, answers_with_all_attributes_load_the_cloud) {
-  EXPECT_EQ(ask({"--point", "690000,5325000,480", "--k", "5", "-o", "found.las"}).exit_code, 0);
+  EXPECT_EQ(query({"--point", "690000,5325000,480", "--k", "5", "-o", "found.las"}).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "found.las"));
 }
 

@@ -60,15 +60,15 @@ TEST_F(OutputTest, file_that_is_read_is_never_replaced_whatever_it_is_called) {
   std::filesystem::create_directory(folder / "sub");
   std::filesystem::create_symlink("positions.csv", folder / "link.csv");
   std::filesystem::create_hard_link(folder / "positions.csv", folder / "twin.csv");
-  const Words ask = {"query", "cloud.png", "--points", "positions.csv", "--overwrite", "-o"};
+  const Words query = {"query", "cloud.png", "--points", "positions.csv", "--overwrite", "-o"};
   const auto with = [](Words words, const Words& more) {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   };
   for (const Words& words :
-       {with(ask, {"positions.csv"}), with(ask, {"./positions.csv"}), with(ask, {"sub/../positions.csv"}),
-        with(ask, {(folder / "positions.csv").string()}), with(ask, {"link.csv"}), with(ask, {"twin.csv"}),
-        with(ask, {"cloud.png", "--format", "csv"}),
+       {with(query, {"positions.csv"}), with(query, {"./positions.csv"}),
+        with(query, {"sub/../positions.csv"}), with(query, {(folder / "positions.csv").string()}),
+        with(query, {"link.csv"}), with(query, {"twin.csv"}), with(query, {"cloud.png", "--format", "csv"}),
         Words{"query", "square.alidade", "--point", "1,2,3", "--overwrite", "--format", "csv", "-o",
               "square.alidade"},
         Words{"index", "square.alidade", "--overwrite", "-o", "square.alidade"},

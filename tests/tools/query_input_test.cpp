@@ -23,7 +23,7 @@ class QueryInputTest : public ProgramTest {
     write("tiny.xyz", "0 0 0\n1 0 0\n2 0.5 0\n3 0 2\n4 0 0\n");
   }
 
-  ProgramResult ask(const std::string& option, const std::string& text) {
+  ProgramResult query(const std::string& option, const std::string& text) {
     write("targets", text);
     return run({"query", "tiny.xyz", "-q", option, "targets", "--count"});
   }
@@ -38,7 +38,7 @@ class QueryInputTest : public ProgramTest {
 
   /// The error for targets that are not good, which leaves nothing behind.
   std::string rejected(const std::string& option, const std::string& text) {
-    const ProgramResult result = ask(option, text);
+    const ProgramResult result = query(option, text);
     EXPECT_EQ(result.exit_code, 2) << text;
     EXPECT_EQ(result.out, "") << text;
     EXPECT_EQ(names(), (Words{"targets", "tiny.xyz"}));
@@ -117,13 +117,13 @@ TEST_F(QueryInputTest, an_index_that_is_cut_below_the_program_ends_it_with_a_mes
     {
       std::ofstream writer(pipe);
       writer << k_header;
-      const auto ask = [&] {
+      const auto write_rays = [&] {
         // More than the program reads at once, so that it answers.
         for (int i = 0; i < 100000; ++i)
           writer << 689980 + i % 40 << "," << 5324980 + i / 40 % 40 << ",700,0,0,-1\n";
         writer.flush();
       };
-      ask();
+      write_rays();
       const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
       const auto has_begun = [&] {
         return std::ranges::any_of(names(),
@@ -132,7 +132,7 @@ TEST_F(QueryInputTest, an_index_that_is_cut_below_the_program_ends_it_with_a_mes
       while (!has_begun() && std::chrono::steady_clock::now() < limit)
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
       std::filesystem::resize_file(folder / "cut.alidade", left);
-      ask();
+      write_rays();
     }
     const ProgramResult result = program.wait();
     EXPECT_EQ(result.exit_code, 2) << result.signal << " " << result.err;

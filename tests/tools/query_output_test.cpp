@@ -53,7 +53,7 @@ class QueryOutputTest : public ProgramTest {
   }
   static inline const Words k_ray = {"--ray", "-1,0,0,1,0,0", "--ray", "2,0,0,0,1,0", "--radius", "0.5"};
 
-  ProgramResult ask(Words words, const Words& more) {
+  ProgramResult query(Words words, const Words& more) {
     words.insert(words.begin(), "query");
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
@@ -62,8 +62,8 @@ class QueryOutputTest : public ProgramTest {
 
 TEST_F(QueryOutputTest, json_lines_have_the_same_values_as_csv) {
   write_tiny();
-  const std::string csv = ask({"tiny.csv", "-q"}, k_ray).out;
-  const std::string json = ask({"tiny.csv", "-q", "--format", "jsonl"}, k_ray).out;
+  const std::string csv = query({"tiny.csv", "-q"}, k_ray).out;
+  const std::string json = query({"tiny.csv", "-q", "--format", "jsonl"}, k_ray).out;
   std::istringstream csv_lines(csv), json_lines(json);
   std::string header, csv_line, json_line;
   std::getline(csv_lines, header);
@@ -82,18 +82,18 @@ TEST_F(QueryOutputTest, json_lines_have_the_same_values_as_csv) {
   }
   EXPECT_EQ(rows, 4);
   EXPECT_FALSE(std::getline(json_lines, json_line));
-  EXPECT_EQ(ask({"tiny.csv", "-q", "--format", "jsonl"}, {"--ray", "0,0,0,1,0,0"}).out,
+  EXPECT_EQ(query({"tiny.csv", "-q", "--format", "jsonl"}, {"--ray", "0,0,0,1,0,0"}).out,
             "{\"ray_id\":0,\"rank\":0,\"point_id\":0,\"x\":0,\"y\":0,\"z\":0,\"t\":0,\"distance\":0,"
             "\"entry\":null}\n");
 }
 
 TEST_F(QueryOutputTest, form_depends_on_the_name_of_the_file) {
   write_tiny();
-  EXPECT_EQ(ask({"tiny.csv", "-q", "-o", "out.csv"}, k_ray).exit_code, 0);
-  EXPECT_EQ(ask({"tiny.csv", "-q", "-o", "out.jsonl"}, k_ray).exit_code, 0);
-  EXPECT_EQ(ask({"tiny.csv", "-q", "-o", "out.las"}, k_ray).exit_code, 0);
-  EXPECT_EQ(ask({"tiny.csv", "-q", "-o", "out.txt", "--format", "csv"}, k_ray).exit_code, 0);
-  EXPECT_EQ(read("out.csv"), ask({"tiny.csv", "-q"}, k_ray).out);
+  EXPECT_EQ(query({"tiny.csv", "-q", "-o", "out.csv"}, k_ray).exit_code, 0);
+  EXPECT_EQ(query({"tiny.csv", "-q", "-o", "out.jsonl"}, k_ray).exit_code, 0);
+  EXPECT_EQ(query({"tiny.csv", "-q", "-o", "out.las"}, k_ray).exit_code, 0);
+  EXPECT_EQ(query({"tiny.csv", "-q", "-o", "out.txt", "--format", "csv"}, k_ray).exit_code, 0);
+  EXPECT_EQ(read("out.csv"), query({"tiny.csv", "-q"}, k_ray).out);
   EXPECT_EQ(read("out.txt"), read("out.csv"));
   EXPECT_EQ(read("out.jsonl").front(), '{');
   EXPECT_EQ(read("out.las").substr(0, 4), "LASF");
@@ -101,7 +101,7 @@ TEST_F(QueryOutputTest, form_depends_on_the_name_of_the_file) {
 
 TEST_F(QueryOutputTest, las_has_the_found_points_with_all_attributes_and_what_was_found) {
   write_tiny();
-  ASSERT_EQ(ask({"tiny.csv", "-q", "-o", "hits.las"}, k_ray).exit_code, 0);
+  ASSERT_EQ(query({"tiny.csv", "-q", "-o", "hits.las"}, k_ray).exit_code, 0);
   const PointCloud cloud = read_cloud(folder / "tiny.csv"), hits = read_cloud(folder / "hits.las");
   const std::vector<std::size_t> ids = {0, 1, 2, 2};
   ASSERT_EQ(hits.size(), ids.size());
@@ -124,8 +124,8 @@ TEST_F(QueryOutputTest, las_of_an_index_is_that_of_the_cloud_byte_for_byte) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "5000", "-o", "yard.las", "-q"}).exit_code, 0);
   ASSERT_EQ(run({"index", "yard.las", "-o", "yard.alidade", "-q"}).exit_code, 0);
   const Words box = {"--box", "-inf,-inf,-inf,inf,inf,inf"};
-  ASSERT_EQ(ask({"yard.las", "-q", "-o", "a.las"}, box).exit_code, 0);
-  ASSERT_EQ(ask({"yard.alidade", "-q", "-o", "b.las"}, box).exit_code, 0);
+  ASSERT_EQ(query({"yard.las", "-q", "-o", "a.las"}, box).exit_code, 0);
+  ASSERT_EQ(query({"yard.alidade", "-q", "-o", "b.las"}, box).exit_code, 0);
   EXPECT_TRUE(read("a.las") == read("b.las"));
   // All points of the site, in its order, with its coordinate reference system.
   const PointCloud yard = read_cloud(folder / "yard.las"), all = read_cloud(folder / "a.las");
@@ -140,9 +140,9 @@ TEST_F(QueryOutputTest, las_of_an_index_is_that_of_the_cloud_byte_for_byte) {
 
 TEST_F(QueryOutputTest, las_of_a_query_can_be_queried_again) {
   write_tiny();
-  ASSERT_EQ(ask({"tiny.csv", "-q", "-o", "hits.las"}, k_ray).exit_code, 0);
+  ASSERT_EQ(query({"tiny.csv", "-q", "-o", "hits.las"}, k_ray).exit_code, 0);
   const ProgramResult result =
-      ask({"hits.las", "-o", "again.las"}, {"--vertex", "1,0,0", "--vertex", "9,0,0", "--radius", "1"});
+      query({"hits.las", "-o", "again.las"}, {"--vertex", "1,0,0", "--vertex", "9,0,0", "--radius", "1"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(contains(result.err, "again.las: replacing the cloud's Distance")) << result.err;
   const PointCloud again = read_cloud(folder / "again.las");
@@ -154,9 +154,9 @@ TEST_F(QueryOutputTest, las_of_a_query_can_be_queried_again) {
 
 TEST_F(QueryOutputTest, no_answers_are_a_file_without_points) {
   write_tiny();
-  ASSERT_EQ(ask({"tiny.csv", "-q", "-o", "none.las"}, {"--box", "7,7,7,8,8,8"}).exit_code, 0);
+  ASSERT_EQ(query({"tiny.csv", "-q", "-o", "none.las"}, {"--box", "7,7,7,8,8,8"}).exit_code, 0);
   EXPECT_EQ(read_cloud(folder / "none.las").size(), 0u);
-  ASSERT_EQ(ask({"tiny.csv", "-q", "-o", "none.csv"}, {"--box", "7,7,7,8,8,8"}).exit_code, 0);
+  ASSERT_EQ(query({"tiny.csv", "-q", "-o", "none.csv"}, {"--box", "7,7,7,8,8,8"}).exit_code, 0);
   EXPECT_EQ(read("none.csv"), "box_id,rank,point_id,x,y,z\n");
 }
 
@@ -164,11 +164,11 @@ TEST_F(QueryOutputTest, existing_output_is_kept_without_overwrite_and_replaced_w
   write_tiny();
   for (const char* const name : {"out.csv", "out.las"}) {
     write(name, "precious");
-    const ProgramResult rejected = ask({"absent.las", "-o", name}, k_ray);
+    const ProgramResult rejected = query({"absent.las", "-o", name}, k_ray);
     EXPECT_EQ(rejected.exit_code, 2);
     EXPECT_TRUE(contains(rejected.err, std::string(name) + ": the file exists")) << rejected.err;
     EXPECT_EQ(read(name), "precious");
-    EXPECT_EQ(ask({"tiny.csv", "-q", "--overwrite", "-o", name}, k_ray).exit_code, 0);
+    EXPECT_EQ(query({"tiny.csv", "-q", "--overwrite", "-o", name}, k_ray).exit_code, 0);
     EXPECT_NE(read(name), "precious");
   }
 }

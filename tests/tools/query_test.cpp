@@ -21,7 +21,7 @@ class QueryTest : public ProgramTest {
   }
 
   /// What `alidade query tiny.xyz WORDS...` writes to stdout.
-  std::string ask(Words words) {
+  std::string query(Words words) {
     words.insert(words.begin(), {"query", "tiny.xyz", "-q"});
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 0);
@@ -31,7 +31,7 @@ class QueryTest : public ProgramTest {
 };
 
 TEST_F(QueryTest, rays_give_the_columns_scripts_rely_on_in_the_order_of_the_rays) {
-  EXPECT_EQ(ask({"--rays", "rays.csv", "--radius", "1", "--k", "2", "--measure", "entry"}),
+  EXPECT_EQ(query({"--rays", "rays.csv", "--radius", "1", "--k", "2", "--measure", "entry"}),
             "ray_id,rank,point_id,x,y,z,t,distance,entry\n"
             "0,0,0,0,0,0,1,0,0\n"
             "0,1,1,1,0,0,2,0,1\n"
@@ -40,7 +40,7 @@ TEST_F(QueryTest, rays_give_the_columns_scripts_rely_on_in_the_order_of_the_rays
 }
 
 TEST_F(QueryTest, numbers_have_as_many_digits_as_they_need) {
-  EXPECT_EQ(ask({"--ray", "2,0.25,0.125,0,0.1,0", "--radius", "0.3", "--measure", "t"}),
+  EXPECT_EQ(query({"--ray", "2,0.25,0.125,0,0.1,0", "--radius", "0.3", "--measure", "t"}),
             "ray_id,rank,point_id,x,y,z,t,distance,entry\n"
             "0,0,2,2,0.5,0,0.25,0.125,-0.022717802865892867\n");
 }
@@ -51,7 +51,7 @@ TEST_F(QueryTest, measures_put_answers_into_their_order) {
     Words words = ray;
     words.insert(words.end(), {"--measure", measure});
     std::string order;
-    const std::string answer = ask(words);
+    const std::string answer = query(words);
     for (std::size_t line = answer.find('\n') + 1; line < answer.size(); line = answer.find('\n', line) + 1)
       order += answer[line + 4];
     return order;
@@ -63,42 +63,42 @@ TEST_F(QueryTest, measures_put_answers_into_their_order) {
 }
 
 TEST_F(QueryTest, count_and_occluded_give_one_row_for_every_ray) {
-  EXPECT_EQ(ask({"--rays", "rays.csv", "--radius", "1", "--count"}), "ray_id,count\n0,4\n1,0\n2,2\n");
-  EXPECT_EQ(ask({"--rays", "rays.csv", "--radius", "1", "--count", "--k", "3"}),
+  EXPECT_EQ(query({"--rays", "rays.csv", "--radius", "1", "--count"}), "ray_id,count\n0,4\n1,0\n2,2\n");
+  EXPECT_EQ(query({"--rays", "rays.csv", "--radius", "1", "--count", "--k", "3"}),
             "ray_id,count\n0,3\n1,0\n2,2\n");
-  EXPECT_EQ(ask({"--rays", "rays.csv", "--radius", "1", "--occluded"}), "ray_id,occluded\n0,1\n1,0\n2,1\n");
+  EXPECT_EQ(query({"--rays", "rays.csv", "--radius", "1", "--occluded"}), "ray_id,occluded\n0,1\n1,0\n2,1\n");
 }
 
 TEST_F(QueryTest, ray_without_radius_gives_the_nearest_point) {
-  EXPECT_EQ(ask({"--ray", "3,0,-5,0,0,1"}),
+  EXPECT_EQ(query({"--ray", "3,0,-5,0,0,1"}),
             "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,3,3,0,2,7,0,-inf\n");
 }
 
 TEST_F(QueryTest, a_ray_begins_at_its_origin_and_a_line_does_not) {
   // From the point 1 on: it is at t = 0, and 0 lies behind.
-  EXPECT_EQ(ask({"--ray", "1,0,0,1,0,0", "--radius", "0.25"}),
+  EXPECT_EQ(query({"--ray", "1,0,0,1,0,0", "--radius", "0.25"}),
             "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,1,1,0,0,0,0,-0.25\n0,1,4,4,0,0,3,0,2.75\n");
-  EXPECT_EQ(ask({"--line", "1,0,0,1,0,0", "--radius", "0.25", "--count"}), "ray_id,count\n0,3\n");
-  EXPECT_EQ(ask({"--line", "1,0,0,1,0,0", "--radius", "0.25"}),
-            ask({"--ray", "1,0,0,1,0,0,-inf", "--radius", "0.25"}));
-  EXPECT_EQ(ask({"--line", "1,0,0,1,0,0", "--radius", "0.25", "--t-min", "0"}),
-            ask({"--ray", "1,0,0,1,0,0", "--radius", "0.25"}));
+  EXPECT_EQ(query({"--line", "1,0,0,1,0,0", "--radius", "0.25", "--count"}), "ray_id,count\n0,3\n");
+  EXPECT_EQ(query({"--line", "1,0,0,1,0,0", "--radius", "0.25"}),
+            query({"--ray", "1,0,0,1,0,0,-inf", "--radius", "0.25"}));
+  EXPECT_EQ(query({"--line", "1,0,0,1,0,0", "--radius", "0.25", "--t-min", "0"}),
+            query({"--ray", "1,0,0,1,0,0", "--radius", "0.25"}));
   // The nearest to the line through (4, 0, 2) is behind, the nearest ahead farther away.
-  EXPECT_EQ(ask({"--line", "3.5,0,2,1,0,0"}),
+  EXPECT_EQ(query({"--line", "3.5,0,2,1,0,0"}),
             "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,3,3,0,2,-0.5,0,-inf\n");
-  EXPECT_EQ(ask({"--ray", "3.5,0,2,1,0,0"}),
+  EXPECT_EQ(query({"--ray", "3.5,0,2,1,0,0"}),
             "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,4,4,0,0,0.5,2,-inf\n");
   write("lines.csv", "ox,oy,oz,dx,dy,dz,t_min\n1,0,0,1,0,0,\n1,0,0,1,0,0,2\n");
-  EXPECT_EQ(ask({"--rays", "lines.csv", "--radius", "0.25", "--count"}), "ray_id,count\n0,2\n1,1\n");
-  EXPECT_EQ(ask({"--lines", "lines.csv", "--radius", "0.25", "--count"}), "ray_id,count\n0,3\n1,1\n");
-  EXPECT_EQ(ask({"--line", "3.5,0,2,1,0,0", "--radius", "0.1", "--occluded"}), "ray_id,occluded\n0,1\n");
-  EXPECT_EQ(ask({"--ray", "3.5,0,2,1,0,0", "--radius", "0.1", "--occluded"}), "ray_id,occluded\n0,0\n");
+  EXPECT_EQ(query({"--rays", "lines.csv", "--radius", "0.25", "--count"}), "ray_id,count\n0,2\n1,1\n");
+  EXPECT_EQ(query({"--lines", "lines.csv", "--radius", "0.25", "--count"}), "ray_id,count\n0,3\n1,1\n");
+  EXPECT_EQ(query({"--line", "3.5,0,2,1,0,0", "--radius", "0.1", "--occluded"}), "ray_id,occluded\n0,1\n");
+  EXPECT_EQ(query({"--ray", "3.5,0,2,1,0,0", "--radius", "0.1", "--occluded"}), "ray_id,occluded\n0,0\n");
 }
 
 TEST_F(QueryTest, limits_of_a_ray_override_those_of_the_options) {
   write("limited.csv",
         "t_max,ox,oy,oz,dx,dy,dz,t_min\n,0,0,0,1,0,0,\n3,0,0,0,1,0,0,2.5\n-inf,0,0,0,1,0,0,inf\n");
-  EXPECT_EQ(ask({"--rays", "limited.csv", "--radius", "2", "--t-min", "1", "--count"}),
+  EXPECT_EQ(query({"--rays", "limited.csv", "--radius", "2", "--t-min", "1", "--count"}),
             "ray_id,count\n0,4\n1,1\n2,0\n");
 }
 
@@ -107,7 +107,7 @@ TEST_F(QueryTest, limits_may_be_infinite_on_the_command_line_as_in_a_file) {
   const auto counts = [&](const Words& limits) {
     Words words = count;
     words.insert(words.end(), limits.begin(), limits.end());
-    return ask(words);
+    return query(words);
   };
   const std::string all = "ray_id,count\n0,4\n1,0\n2,2\n", none = "ray_id,count\n0,0\n1,0\n2,0\n";
   EXPECT_EQ(counts({"--radius", "1", "--t-min", "-inf", "--t-max", "inf", "--entry-min", "-inf"}), all);
@@ -116,8 +116,8 @@ TEST_F(QueryTest, limits_may_be_infinite_on_the_command_line_as_in_a_file) {
   EXPECT_EQ(counts({"--radius", "1", "--t-max", "-inf"}), none);
   EXPECT_EQ(counts({"--radius", "1", "--entry-min", "inf"}), none);
   // An infinite radius does not limit the query: the nearest point.
-  EXPECT_EQ(ask({"--ray", "3,0,-5,0,0,1", "--radius", "inf"}), ask({"--ray", "3,0,-5,0,0,1"}));
-  EXPECT_EQ(ask({"--point", "3,0,-5", "--radius", "inf"}), ask({"--point", "3,0,-5"}));
+  EXPECT_EQ(query({"--ray", "3,0,-5,0,0,1", "--radius", "inf"}), query({"--ray", "3,0,-5,0,0,1"}));
+  EXPECT_EQ(query({"--point", "3,0,-5", "--radius", "inf"}), query({"--point", "3,0,-5"}));
 }
 
 TEST_F(QueryTest, limits_that_are_no_numbers_are_rejected) {
@@ -147,46 +147,47 @@ TEST_F(QueryTest, levels_need_a_layered_index) {
 }
 
 TEST_F(QueryTest, entry_min_leaves_out_spheres_the_ray_starts_in) {
-  EXPECT_EQ(ask({"--ray", "0,0,0,1,0,0,0", "--radius", "0.25", "--entry-min", "0", "--count"}),
+  EXPECT_EQ(query({"--ray", "0,0,0,1,0,0,0", "--radius", "0.25", "--entry-min", "0", "--count"}),
             "ray_id,count\n0,2\n");
 }
 
 TEST_F(QueryTest, cones) {
   // The limit is 1 + t: entries are 2 - sqrt(9) and 3 - sqrt(16 - 4), but for the last bits of tan(45
   // degrees).
-  EXPECT_EQ(ask({"--cone", "1,0,2,1,0,0,45,1"}),
+  EXPECT_EQ(query({"--cone", "1,0,2,1,0,0,45,1"}),
             "cone_id,rank,point_id,x,y,z,t,distance,entry\n"
             "0,0,3,3,0,2,2,0,-1\n"
             "0,1,4,4,0,0,3,2,-0.46410161513775394\n");
-  EXPECT_EQ(ask({"--cone", "0,0,0,1,0,0,10", "--count"}), "cone_id,count\n0,3\n");
-  EXPECT_EQ(ask({"--cone", "0,0,0,1,0,0,10", "--t-min", "1.5", "--occluded"}), "cone_id,occluded\n0,1\n");
+  EXPECT_EQ(query({"--cone", "0,0,0,1,0,0,10", "--count"}), "cone_id,count\n0,3\n");
+  EXPECT_EQ(query({"--cone", "0,0,0,1,0,0,10", "--t-min", "1.5", "--occluded"}), "cone_id,occluded\n0,1\n");
 }
 
 TEST_F(QueryTest, path_prints_segment_and_way) {
   write("path.csv", "x,y,z,path\n0,0,0,4\n2,0,0,4\n2,2,0,4\n9,9,9,7\n9,9,10,7\n");
-  EXPECT_EQ(ask({"--path", "path.csv", "--radius", "1"}),
+  EXPECT_EQ(query({"--path", "path.csv", "--radius", "1"}),
             "path_id,rank,point_id,x,y,z,segment,t,distance\n"
             "4,0,0,0,0,0,0,0,0\n"
             "4,1,1,1,0,0,0,1,0\n"
             "4,2,2,2,0.5,0,1,2.5,0\n");
-  EXPECT_EQ(ask({"--vertex", "0,0,0", "--vertex", "2,0,0", "--radius", "1", "--t-min", "1", "--count"}),
+  EXPECT_EQ(query({"--vertex", "0,0,0", "--vertex", "2,0,0", "--radius", "1", "--t-min", "1", "--count"}),
             "path_id,count\n0,2\n");
 }
 
 TEST_F(QueryTest, planes_of_one_number_are_one_region) {
   // The slab 1 <= x <= 3 and, apart from it, all above z = 1.
   write("planes.csv", "px,py,pz,nx,ny,nz,region\n1,0,0,7,0,0,2\n3,0,0,-1,0,0,2\n0,0,1,0,0,1,5\n");
-  EXPECT_EQ(ask({"--planes", "planes.csv"}),
+  EXPECT_EQ(query({"--planes", "planes.csv"}),
             "region_id,rank,point_id,x,y,z,distance\n"
             "2,0,1,1,0,0,0\n"
             "2,1,2,2,0.5,0,1\n"
             "2,2,3,3,0,2,2\n"
             "5,0,3,3,0,2,1\n");
-  EXPECT_EQ(ask({"--plane", "1,0,0,1,0,0", "--plane", "3,0,0,-1,0,0", "--count"}), "region_id,count\n0,3\n");
+  EXPECT_EQ(query({"--plane", "1,0,0,1,0,0", "--plane", "3,0,0,-1,0,0", "--count"}),
+            "region_id,count\n0,3\n");
 }
 
 TEST_F(QueryTest, boxes_hold_their_faces) {
-  EXPECT_EQ(ask({"--box", "1,0,0,3,0.5,2", "--box", "3,0,0,1,0.5,2", "--box", "-inf,-1,-1,0,inf,1"}),
+  EXPECT_EQ(query({"--box", "1,0,0,3,0.5,2", "--box", "3,0,0,1,0.5,2", "--box", "-inf,-1,-1,0,inf,1"}),
             "box_id,rank,point_id,x,y,z\n"
             "0,0,1,1,0,0\n"
             "0,1,2,2,0.5,0\n"
@@ -195,12 +196,12 @@ TEST_F(QueryTest, boxes_hold_their_faces) {
 }
 
 TEST_F(QueryTest, points_have_neighbours) {
-  EXPECT_EQ(ask({"--point", "0.5,0,0", "--k", "2", "--point", "4,0,0", "--radius", "1"}),
+  EXPECT_EQ(query({"--point", "0.5,0,0", "--k", "2", "--point", "4,0,0", "--radius", "1"}),
             "query_id,rank,point_id,x,y,z,distance\n"
             "0,0,0,0,0,0,0.5\n"
             "0,1,1,1,0,0,0.5\n"
             "1,0,4,4,0,0,0\n");
-  EXPECT_EQ(ask({"--point", "9,0,0"}), "query_id,rank,point_id,x,y,z,distance\n0,0,4,4,0,0,5\n");
+  EXPECT_EQ(query({"--point", "9,0,0"}), "query_id,rank,point_id,x,y,z,distance\n0,0,4,4,0,0,5\n");
 }
 
 TEST_F(QueryTest, classes_choose_points) {

@@ -66,9 +66,9 @@ TEST_F(SqlTest, why_a_statement_is_not_rewritten_is_explained) {
 }
 
 TEST_F(SqlTest, parameters_are_values_and_no_sql) {
-  write("ask.sql", "SELECT ? AS a, ? AS b, ? AS c;\nSELECT ?2 AS d, typeof(?3) AS g, :text AS e, ?1 AS f");
+  write("query.sql", "SELECT ? AS a, ? AS b, ? AS c;\nSELECT ?2 AS d, typeof(?3) AS g, :text AS e, ?1 AS f");
   const std::string evil = "'); DROP TABLE points; --";
-  const ProgramResult result = sql({"--file", "ask.sql", "--json", "--param", "1.5", "--param", evil,
+  const ProgramResult result = sql({"--file", "query.sql", "--json", "--param", "1.5", "--param", evil,
                                     "--param", "NULL", "--param", "text='12', \"x\""});
   EXPECT_EQ(result.err, "");
   EXPECT_EQ(result.out, "[{\"a\":1.5,\"b\":\"" + evil + "\",\"c\":null}]\n[{\"d\":\"" + evil +
@@ -161,8 +161,8 @@ TEST_F(SqlTest, ctrl_c_ends_waiting_for_who_writes) {
 }
 
 TEST_F(SqlTest, files_may_begin_with_a_byte_order_mark) {
-  write("ask.sql", "\ufeffSELECT 7 AS seven;\n\ufeffSELECT 8 AS eight");
-  const ProgramResult result = sql({"--file", "ask.sql", "--csv"});
+  write("query.sql", "\ufeffSELECT 7 AS seven;\n\ufeffSELECT 8 AS eight");
+  const ProgramResult result = sql({"--file", "query.sql", "--csv"});
   EXPECT_EQ(result.err, "");
   EXPECT_EQ(result.out, "seven\n7\neight\n8\n");
 }
