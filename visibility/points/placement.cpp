@@ -23,6 +23,86 @@
 namespace alidade::visibility {
 namespace {
 
+constexpr std::size_t k_lines_at_once = 1 << 18;
+
+/// The targets within reach and view, and the lines to them.
+struct Views {
+  std::vector<std::size_t> targets;
+  std::vector<SightLine> lines;
+};
+
+/// A block of the targets. `ends`: where the lines to them end; empty if they end on the points themselves,
+/// since those ends depend on the observer.
+struct TargetBlock {
+  std::span<const PlacementTarget> targets;
+  std::span<const SightEnd> ends;
+};
+
+std::vector<SightEnd> raised_ends(const Occluders& occluders, std::span<const PlacementTarget> targets,
+                                  double height) {
+  std::vector<SightEnd> ends(targets.size());
+  in_parallel(targets.size(), 64, [&](std::size_t i) {
+    ends[i] = end_near_surface(occluders, targets[i].position + glm::dvec3(0.0, 0.0, height));
+  });
+  return ends;
+}
+
+Views views_of(const Occluders& occluders, const Observer& observer, const TargetBlock& block) {
+  const std::span<const PlacementTarget> targets = block.targets;
+  const std::span<const SightEnd> ends = block.ends;
+  const FieldOfView field(observer);
+  const SightEnd eye = end_near_surface(occluders, observer.position);
+  Views views;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const glm::dvec3& position = ends.empty() ? targets[i].position : ends[i].position;
+    if (field.reaches(position - observer.position)) views.targets.push_back(i);
+  }
+  views.lines.resize(views.targets.size());
+  in_parallel(views.lines.size(), 64, [&](std::size_t i) {
+    const std::size_t number = views.targets[i];
+    const PlacementTarget& target = targets[number];
+    views.lines[i] = sight_line(
+        eye, ends.empty() ? end_on_point(occluders, target.point_id, target.position, observer.position)
+                          : ends[number]);
+  });
+  return views;
+}
+
+/// A bit for each target, in the layout of Coverage::row().
+std::vector<std::uint64_t> seen_by(const Occluders& occluders, const Observer& observer,
+                                   const TargetBlock& block) {
+  const Views views = views_of(occluders, observer, block);
+  std::vector<std::uint8_t> hidden(views.lines.size());
+  blocked(occluders, views.lines, hidden);
+  std::vector<std::uint64_t> words((block.targets.size() + 63) / 64);
+  for (std::size_t i = 0; i < hidden.size(); ++i) {
+    const std::size_t target = views.targets[i];
+    if (hidden[i] == 0) words[target / 64] |= std::uint64_t{1} << (target % 64);
+  }
+  return words;
+}
+
+constexpr int k_cell_bits = 21;
+/// Memory while points are chosen: a node of the map with its share of the table, and a copy.
+constexpr std::uint64_t k_bytes_per_cell = 140;
+
+/// The point that represents a cell so far.
+struct Best {
+  PlacementTarget target;
+  double distance = 0.0;    ///< to the cell's middle
+  std::uint64_t index = 0;  ///< storage index
+};
+
+void check_spacing(const Octree& octree, double spacing) {
+  const glm::dvec3 size = octree.bounds().size();
+  const double longest = std::max({size.x, size.y, size.z});
+  check_that(spacing > 0.0 && std::isfinite(spacing), "invalid target spacing", "a positive length",
+             std::to_string(spacing));
+  check_that(!(longest / spacing >= static_cast<double>((1 << k_cell_bits) - 1)),
+             "target spacing too small for the extent of the cloud",
+             "at least " + std::to_string(longest / ((1 << k_cell_bits) - 2)), std::to_string(spacing));
+}
+
 void check(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
   check_that(count > 0, "invalid number of positions", "at least 1");
   check_that(weights.empty() || weights.size() == coverage.targets(),
@@ -110,132 +190,7 @@ std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> c
   return rows;
 }
 
-constexpr std::size_t k_lines_at_once = 1 << 18;
-
-/// The targets within reach and view, and the lines to them.
-struct Views {
-  std::vector<std::size_t> targets;
-  std::vector<SightLine> lines;
-};
-
-/// A block of the targets. `ends`: where the lines to them end; empty if they end on the points themselves,
-/// since those ends depend on the observer.
-struct TargetBlock {
-  std::span<const PlacementTarget> targets;
-  std::span<const SightEnd> ends;
-};
-
-std::vector<SightEnd> raised_ends(const Occluders& occluders, std::span<const PlacementTarget> targets,
-                                  double height) {
-  std::vector<SightEnd> ends(targets.size());
-  in_parallel(targets.size(), 64, [&](std::size_t i) {
-    ends[i] = end_near_surface(occluders, targets[i].position + glm::dvec3(0.0, 0.0, height));
-  });
-  return ends;
-}
-
-Views views_of(const Occluders& occluders, const Observer& observer, const TargetBlock& block) {
-  const std::span<const PlacementTarget> targets = block.targets;
-  const std::span<const SightEnd> ends = block.ends;
-  const FieldOfView field(observer);
-  const SightEnd eye = end_near_surface(occluders, observer.position);
-  Views views;
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    const glm::dvec3& position = ends.empty() ? targets[i].position : ends[i].position;
-    if (field.reaches(position - observer.position)) views.targets.push_back(i);
-  }
-  views.lines.resize(views.targets.size());
-  in_parallel(views.lines.size(), 64, [&](std::size_t i) {
-    const std::size_t number = views.targets[i];
-    const PlacementTarget& target = targets[number];
-    views.lines[i] = sight_line(
-        eye, ends.empty() ? end_on_point(occluders, target.point_id, target.position, observer.position)
-                          : ends[number]);
-  });
-  return views;
-}
-
-/// A bit for each target, in the layout of Coverage::row().
-std::vector<std::uint64_t> seen_by(const Occluders& occluders, const Observer& observer,
-                                   const TargetBlock& block) {
-  const Views views = views_of(occluders, observer, block);
-  std::vector<std::uint8_t> hidden(views.lines.size());
-  blocked(occluders, views.lines, hidden);
-  std::vector<std::uint64_t> words((block.targets.size() + 63) / 64);
-  for (std::size_t i = 0; i < hidden.size(); ++i) {
-    const std::size_t target = views.targets[i];
-    if (hidden[i] == 0) words[target / 64] |= std::uint64_t{1} << (target % 64);
-  }
-  return words;
-}
-
-constexpr int k_cell_bits = 21;
-/// Memory while points are chosen: a node of the map with its share of the table, and a copy.
-constexpr std::uint64_t k_bytes_per_cell = 140;
-
-/// The point that represents a cell so far.
-struct Best {
-  PlacementTarget target;
-  double distance = 0.0;    ///< to the cell's middle
-  std::uint64_t index = 0;  ///< storage index
-};
-
-void check_spacing(const Octree& octree, double spacing) {
-  const glm::dvec3 size = octree.bounds().size();
-  const double longest = std::max({size.x, size.y, size.z});
-  check_that(spacing > 0.0 && std::isfinite(spacing), "invalid target spacing", "a positive length",
-             std::to_string(spacing));
-  check_that(!(longest / spacing >= static_cast<double>((1 << k_cell_bits) - 1)),
-             "target spacing too small for the extent of the cloud",
-             "at least " + std::to_string(longest / ((1 << k_cell_bits) - 2)), std::to_string(spacing));
-}
-
 }  // namespace
-
-Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
-  check(coverage, count, weights);
-  Placement placement;
-  placement.total = weights.empty() ? static_cast<double>(coverage.targets())
-                                    : std::accumulate(weights.begin(), weights.end(), 0.0);
-  Covered covered(coverage, weights);
-  const std::vector<double> alone = all_gains(coverage, covered);
-  std::priority_queue<Offer> offers;
-  for (std::size_t i = 0; i < alone.size(); ++i) offers.push({alone[i], i, 0});
-  double sum = 0.0;
-  // No choice covers more than all targets, or than what is covered at any time plus the largest gains of as
-  // many candidates as requested, as if these saw no target twice.
-  double bound = std::min(placement.total, sum_of_largest(alone, count));
-  std::size_t next_bound = 1;
-  while (placement.positions.size() < count && !offers.empty()) {
-    const Offer offer = offers.top();
-    offers.pop();
-    if (offer.chosen < placement.positions.size()) {
-      offers.push({covered.gain(offer.candidate), offer.candidate, placement.positions.size()});
-      continue;
-    }
-    if (offer.gain <= 0.0) break;
-    covered.add(offer.candidate);
-    sum += offer.gain;
-    placement.positions.push_back({offer.candidate, offer.gain, sum});
-    // Not after each choice, since the gains of all candidates take a pass over the bits.
-    if (placement.positions.size() != next_bound) continue;
-    bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
-    next_bound *= 2;
-  }
-  bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
-  placement.best_possible = std::max(bound, sum);
-  return placement;
-}
-
-bool write_placement(const Placement& placement, std::span<const Observer> candidates, RowForm form,
-                     const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,
-                     bool overwrite) {
-  PositionTable table{.list = "places", .rows = rows_of(placement, candidates), .positions = {}};
-  for (const ChosenPosition& chosen : placement.positions)
-    table.positions.push_back(candidates[chosen.candidate].position);
-  const Row totals{{"total", placement.total}, {"best_possible", placement.best_possible}};
-  return write_positions(table, totals, form, head, to_lon_lat, file, overwrite);
-}
 
 void check_coverage(std::size_t candidates, std::size_t targets) {
   const std::uint64_t row_bytes = std::uint64_t{8} * ((targets + 63) / 64);
@@ -333,6 +288,51 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
   targets.reserve(chosen.size());
   for (const Best& best : chosen) targets.push_back(best.target);
   return targets;
+}
+
+Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
+  check(coverage, count, weights);
+  Placement placement;
+  placement.total = weights.empty() ? static_cast<double>(coverage.targets())
+                                    : std::accumulate(weights.begin(), weights.end(), 0.0);
+  Covered covered(coverage, weights);
+  const std::vector<double> alone = all_gains(coverage, covered);
+  std::priority_queue<Offer> offers;
+  for (std::size_t i = 0; i < alone.size(); ++i) offers.push({alone[i], i, 0});
+  double sum = 0.0;
+  // No choice covers more than all targets, or than what is covered at any time plus the largest gains of as
+  // many candidates as requested, as if these saw no target twice.
+  double bound = std::min(placement.total, sum_of_largest(alone, count));
+  std::size_t next_bound = 1;
+  while (placement.positions.size() < count && !offers.empty()) {
+    const Offer offer = offers.top();
+    offers.pop();
+    if (offer.chosen < placement.positions.size()) {
+      offers.push({covered.gain(offer.candidate), offer.candidate, placement.positions.size()});
+      continue;
+    }
+    if (offer.gain <= 0.0) break;
+    covered.add(offer.candidate);
+    sum += offer.gain;
+    placement.positions.push_back({offer.candidate, offer.gain, sum});
+    // Not after each choice, since the gains of all candidates take a pass over the bits.
+    if (placement.positions.size() != next_bound) continue;
+    bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
+    next_bound *= 2;
+  }
+  bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
+  placement.best_possible = std::max(bound, sum);
+  return placement;
+}
+
+bool write_placement(const Placement& placement, std::span<const Observer> candidates, RowForm form,
+                     const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,
+                     bool overwrite) {
+  PositionTable table{.list = "places", .rows = rows_of(placement, candidates), .positions = {}};
+  for (const ChosenPosition& chosen : placement.positions)
+    table.positions.push_back(candidates[chosen.candidate].position);
+  const Row totals{{"total", placement.total}, {"best_possible", placement.best_possible}};
+  return write_positions(table, totals, form, head, to_lon_lat, file, overwrite);
 }
 
 }  // namespace alidade::visibility

@@ -170,6 +170,32 @@ std::optional<glm::dvec2> position_at(const SunSchedule& schedule, const std::ch
 
 }  // namespace
 
+double extraterrestrial_irradiance(double day_of_year) {
+  constexpr double k_solar_constant = 1367.0, k_days = 365.25;
+  constexpr double k_eccentricity = 0.03344, k_perihelion = 0.048869;
+  const double turn = 2.0 * std::numbers::pi * day_of_year / k_days;
+  return k_solar_constant * (1.0 + k_eccentricity * std::cos(turn - k_perihelion));
+}
+
+double beam_irradiance(double elevation, double day_of_year, const ClearAir& air) {
+  if (!(elevation > 0.0)) return 0.0;
+  const double mass = geo::air_mass(elevation) * std::exp(-air.height / 8434.5);
+  return rounded_irradiance(extraterrestrial_irradiance(day_of_year) *
+                            std::exp(-0.8662 * air.linke_turbidity * mass * rayleigh_thickness(mass)));
+}
+
+double diffuse_irradiance(double elevation, double day_of_year, const ClearAir& air) {
+  if (!(elevation > 0.0)) return 0.0;
+  constexpr double k_least = 0.0022;  // of the sky's transmission where the sun is at the horizon
+  const double t = air.linke_turbidity, sine = sine_cosine_of_degrees(elevation).sine;
+  const double transmission = -0.015843 + t * (0.030543 + t * 0.0003797);
+  const double constant = std::max(0.26463 + t * (-0.061581 + t * 0.0031408), k_least / transmission),
+               linear = 2.04020 + t * (0.018945 - t * 0.011161),
+               square = -1.3025 + t * (0.039231 + t * 0.0085079);
+  return rounded_irradiance(extraterrestrial_irradiance(day_of_year) * transmission *
+                            (constant + sine * (linear + sine * square)));
+}
+
 std::vector<std::string> sun_periods(const SunSchedule& schedule) {
   const int first = period_number(schedule, schedule.from),
             count = period_number(schedule, later(schedule.to, -1e-3)) - first + 1;
@@ -255,32 +281,6 @@ bool place_schedule(const Crs& crs, const glm::dvec2& center,
   schedule.longitude = latitude_longitude ? latitude_longitude->y : ground->longitude;
   schedule.grid_north = ground ? geo::rounded_degrees(ground->grid_north) : 0.0;
   return ground.has_value();
-}
-
-double extraterrestrial_irradiance(double day_of_year) {
-  constexpr double k_solar_constant = 1367.0, k_days = 365.25;
-  constexpr double k_eccentricity = 0.03344, k_perihelion = 0.048869;
-  const double turn = 2.0 * std::numbers::pi * day_of_year / k_days;
-  return k_solar_constant * (1.0 + k_eccentricity * std::cos(turn - k_perihelion));
-}
-
-double beam_irradiance(double elevation, double day_of_year, const ClearAir& air) {
-  if (!(elevation > 0.0)) return 0.0;
-  const double mass = geo::air_mass(elevation) * std::exp(-air.height / 8434.5);
-  return rounded_irradiance(extraterrestrial_irradiance(day_of_year) *
-                            std::exp(-0.8662 * air.linke_turbidity * mass * rayleigh_thickness(mass)));
-}
-
-double diffuse_irradiance(double elevation, double day_of_year, const ClearAir& air) {
-  if (!(elevation > 0.0)) return 0.0;
-  constexpr double k_least = 0.0022;  // of the sky's transmission where the sun is at the horizon
-  const double t = air.linke_turbidity, sine = sine_cosine_of_degrees(elevation).sine;
-  const double transmission = -0.015843 + t * (0.030543 + t * 0.0003797);
-  const double constant = std::max(0.26463 + t * (-0.061581 + t * 0.0031408), k_least / transmission),
-               linear = 2.04020 + t * (0.018945 - t * 0.011161),
-               square = -1.3025 + t * (0.039231 + t * 0.0085079);
-  return rounded_irradiance(extraterrestrial_irradiance(day_of_year) * transmission *
-                            (constant + sine * (linear + sine * square)));
 }
 
 std::vector<SkylineCurve> sun_curves(const SunSchedule& schedule) {
