@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "camera/camera_json.h"
 #include "renderer/read_scene.h"
 
 // Any bytes are a scene, a camera, or an Error. The folder does not exist, so that a camera's name leads

@@ -13,6 +13,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "camera/camera_json.h"
 #include "image/srgb.h"
 #include "renderer/image_metadata.h"
 #include "renderer/read_scene.h"

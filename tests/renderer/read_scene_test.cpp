@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "camera/camera_json.h"
 #include "tests/renderer/describe_scene.h"
 
 namespace alidade::test {

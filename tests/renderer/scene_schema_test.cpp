@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "camera/camera_json.h"
 #include "renderer/read_scene.h"
 #include "tests/renderer/describe_scene.h"
 #include "tests/renderer/schema_validator.h"

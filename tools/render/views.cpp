@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "base/error.h"
+#include "camera/camera_json.h"
 #include "renderer/overview.h"
 #include "renderer/read_scene.h"
 #include "tools/camera_file.h"
