@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/index_header.h"
 #include "octree/index_file/save_index.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
