@@ -9,6 +9,7 @@
 #include "cloud/cloud_reader.h"
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/index_header.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "tests/support/seal_index.h"
