@@ -24,6 +24,7 @@ namespace alidade {
 namespace {
 
 constexpr int k_fetching_threads = 4;
+constexpr std::uint64_t k_request_bytes = std::uint64_t{8} << 20;  ///< at most, or one block
 
 std::uint64_t page_end(std::uint64_t offset) {
   return (offset + k_fault_page - 1) / k_fault_page * k_fault_page;
@@ -31,7 +32,7 @@ std::uint64_t page_end(std::uint64_t offset) {
 
 class FaultingMap;
 
-/// All maps, and the failures of those that have failed.
+/// All maps, and the errors of those that have failed.
 struct Registry {
   std::mutex mutex;
   std::map<const std::byte*, std::weak_ptr<FaultingMap>> maps;  ///< by their first byte
@@ -43,8 +44,7 @@ Registry& registry() {
   return registry;
 }
 
-/// Bytes that all maps hold in memory.
-std::atomic<std::uint64_t> arrived_in_all = 0;
+std::atomic<std::uint64_t> bytes_of_all_maps = 0;  ///< held in memory
 
 class FaultingMap final : public RemoteMap {
  public:
@@ -54,8 +54,9 @@ class FaultingMap final : public RemoteMap {
         file_(open_remote_file(name_)),
         size_(file_->size()),
         mapped_(std::max(page_end(size_), k_fault_page)),
-        most_in_all_(most_bytes > ~std::uint64_t{0} - arrived_in_all ? ~std::uint64_t{0}
-                                                                     : arrived_in_all + most_bytes) {
+        most_of_all_maps_(most_bytes > ~std::uint64_t{0} - bytes_of_all_maps
+                              ? ~std::uint64_t{0}
+                              : bytes_of_all_maps + most_bytes) {
     constexpr std::uint64_t k_largest = std::uint64_t{1} << 46;  // half of the addresses of a program
     if (size_ >= k_largest)
       throw file_error(name_, "the server states a size that no index file has",
@@ -65,7 +66,8 @@ class FaultingMap final : public RemoteMap {
   ~FaultingMap() override {
     const bool is_forked = ::getpid() != process_;
     if (is_forked) {
-      // Threads and locks stayed behind in the other process, and the event is shared with it.
+      // The threads run only in the parent, and the userfaultfd is shared with it: neither may be stopped
+      // here, and what they use is leaked.
       new std::vector<std::thread>(std::move(threads_));
       (void)file_.release();
     } else if (!threads_.empty()) {
@@ -78,10 +80,10 @@ class FaultingMap final : public RemoteMap {
       if (registry().failures.erase(this) > 0) --failures_;
     }
     if (begin_ != nullptr) ::munmap(begin_, mapped_);
-    arrived_in_all -= arrived_;
+    bytes_of_all_maps -= held_bytes_;
   }
 
-  /// Maps the file and serves it. False if the system does not permit that.
+  /// Maps the file and starts to serve its page faults. False if the system does not permit that.
   bool start() {
     void* const map = ::mmap(nullptr, mapped_, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (map == MAP_FAILED) return false;
@@ -109,14 +111,14 @@ class FaultingMap final : public RemoteMap {
     const auto first = static_cast<std::uint64_t>(wanted.data() - begin_);
     if (has_failed_) return;
     try {
-      bring(*open_again(), first, std::min(first + wanted.size(), size_));
+      fetch_missing(*open_again(), first, std::min(first + wanted.size(), size_));
     } catch (...) {
       fail(std::current_exception());
     }
   }
 
-  /// The first failure counts. Requires the registry's mutex. In this order: a thread that reads has_failed_
-  /// as true stores zeros, and check() must throw by then.
+  /// Keeps the first failure only. Requires the registry's mutex. has_failed_ is set last: a thread that
+  /// reads it as true stores zeros, and check() must throw by then.
   void fail_locked(const std::exception_ptr& failure) {
     if (!registry().failures.emplace(this, failure).second) return;
     ++failures_;
@@ -125,10 +127,10 @@ class FaultingMap final : public RemoteMap {
   const std::string& name() const { return name_; }
 
  private:
-  enum class Page : std::uint8_t { missing, coming, there };
+  enum class PageState : std::uint8_t { missing, requested, present };
   using Block = std::pair<std::uint64_t, std::uint64_t>;  ///< begin and end, both multiples of a page
 
-  /// For one thread. Errors: it is another version.
+  /// A connection for one thread. Errors: the file on the server has changed.
   std::unique_ptr<RemoteFile> open_again() const {
     auto file = open_remote_file(name_);
     if (file->version() != file_->version() || file->size() != size_)
@@ -146,33 +148,33 @@ class FaultingMap final : public RemoteMap {
     return {begin, page_end(end)};
   }
 
-  /// Requires mutex_. Missing until set.
-  Page& state(std::uint64_t offset) {
+  /// Of the page at `offset`; missing until set. Requires mutex_.
+  PageState& state(std::uint64_t offset) {
     const std::uint64_t page = offset / k_fault_page;
-    return states_[page / k_pages_of_chunk][static_cast<std::size_t>(page % k_pages_of_chunk)];
+    return states_[page / k_chunk_pages][static_cast<std::size_t>(page % k_chunk_pages)];
   }
-  void set_states(std::uint64_t begin, std::uint64_t end, Page to) {
-    for (std::uint64_t at = begin; at < end; at += k_fault_page) state(at) = to;
+  void set_states(std::uint64_t begin, std::uint64_t end, PageState to) {
+    for (std::uint64_t offset = begin; offset < end; offset += k_fault_page) state(offset) = to;
   }
 
-  /// Marks the missing blocks from the one of `offset` on as coming, up to `end` or the first that is not
-  /// missing.
+  /// Marks missing blocks as requested, from the one that contains `offset` up to `end`, the first that is
+  /// not missing, or the size of a request. Returns them: the caller must receive() them.
   std::vector<Block> claim(std::uint64_t offset, std::uint64_t end) {
-    constexpr std::uint64_t k_most = std::uint64_t{8} << 20;  // fetched by one request
     std::vector<Block> claimed;
     const std::scoped_lock lock(mutex_);
-    while (offset < end && (claimed.empty() || claimed.back().second - claimed.front().first < k_most)) {
+    while (offset < end &&
+           (claimed.empty() || claimed.back().second - claimed.front().first < k_request_bytes)) {
       const Block block = block_at(offset);
-      if (state(offset) != Page::missing) break;
-      set_states(block.first, block.second, Page::coming);
+      if (state(offset) != PageState::missing) break;
+      set_states(block.first, block.second, PageState::requested);
       claimed.push_back(block);
       offset = block.second;
     }
     return claimed;
   }
 
-  /// Lets all blocks arrive that have bytes in [begin, end) and are missing.
-  void bring(RemoteFile& file, std::uint64_t begin, std::uint64_t end) {
+  /// Fetches the missing blocks that have bytes in [begin, end).
+  void fetch_missing(RemoteFile& file, std::uint64_t begin, std::uint64_t end) {
     while (begin < end) {
       const std::vector<Block> blocks = claim(begin, end);
       if (blocks.empty()) {
@@ -184,12 +186,13 @@ class FaultingMap final : public RemoteMap {
     }
   }
 
+  /// Fetches, checks and stores the blocks that claim() returned; stores zeros if the map has failed.
   void receive(RemoteFile& file, const std::vector<Block>& blocks) {
     const std::uint64_t begin = blocks.front().first, end = blocks.back().second;
     std::vector<std::byte> bytes;
     if (!has_failed_) {
       try {
-        take_room(end - begin);
+        reserve(end - begin);
         bytes.resize(static_cast<std::size_t>(end - begin));
         file.read(begin, std::span(bytes).first(static_cast<std::size_t>(std::min(end, size_) - begin)));
         check_blocks(blocks, bytes);
@@ -201,32 +204,32 @@ class FaultingMap final : public RemoteMap {
     store(begin, end, bytes.empty() ? nullptr : bytes.data());
   }
 
-  /// Errors: all maps together would hold too much.
-  void take_room(std::uint64_t bytes) {
-    if ((arrived_in_all += bytes) <= most_in_all_) {
-      arrived_ += bytes;
+  /// Counts bytes that the map is about to hold. Errors: all maps together would hold too much.
+  void reserve(std::uint64_t bytes) {
+    if ((bytes_of_all_maps += bytes) <= most_of_all_maps_) {
+      held_bytes_ += bytes;
       return;
     }
-    arrived_in_all -= bytes;
+    bytes_of_all_maps -= bytes;
     throw file_error(name_,
                      "too much of the remote file is needed to keep it in memory; copy it to this machine",
-                     fmt::format("at most {} bytes of remote index files in memory", most_in_all_));
+                     fmt::format("at most {} bytes of remote index files in memory", most_of_all_maps_));
   }
 
   void check_blocks(const std::vector<Block>& blocks, std::span<const std::byte> bytes) {
     const std::shared_lock lock(blocks_mutex_);
     if (!check_) return;
     const std::uint64_t begin = blocks.front().first;
-    for (const auto& [first, last] : blocks)
+    for (const auto& [first, behind] : blocks)
       check_(first, bytes.subspan(static_cast<std::size_t>(first - begin),
-                                  static_cast<std::size_t>(std::min(last, size_) - first)));
+                                  static_cast<std::size_t>(std::min(behind, size_) - first)));
   }
 
   /// Puts whole pages into the map, of zeros if `from` is null, and wakes the threads that wait for them.
   void store(std::uint64_t begin, std::uint64_t end, const std::byte* from) {
     faults_.fill({begin_ + begin, static_cast<std::size_t>(end - begin)}, from);
     const std::scoped_lock lock(mutex_);
-    set_states(begin, end, Page::there);
+    set_states(begin, end, PageState::present);
   }
 
   void fail(const std::exception_ptr& failure) {
@@ -234,25 +237,26 @@ class FaultingMap final : public RemoteMap {
     fail_locked(failure);
   }
 
-  /// Where a request for the block at `offset` ends. Sequential reads fetch more and more at once.
-  std::uint64_t end_of_fault(std::uint64_t offset) {
-    constexpr std::uint64_t k_most = std::uint64_t{8} << 20;
+  /// End of the request for the block at `offset`. The read-ahead grows while requests follow one another.
+  std::uint64_t request_end(std::uint64_t offset) {
     const Block block = block_at(offset);
     const std::scoped_lock lock(mutex_);
-    ahead_ = block.first == next_ ? std::min(2 * ahead_ + (block.second - block.first), k_most) : 0;
-    next_ = std::min(block.second + ahead_, size_);
-    return next_;
+    const bool is_sequential = block.first == request_end_;
+    read_ahead_ =
+        is_sequential ? std::min(2 * read_ahead_ + (block.second - block.first), k_request_bytes) : 0;
+    request_end_ = std::min(block.second + read_ahead_, size_);
+    return request_end_;
   }
 
-  /// Threads that wait for a page would wait forever if this ended by an exception.
+  /// Answers page faults until the map is destroyed. If an exception ended it, threads would wait forever.
   void serve() noexcept {
     std::unique_ptr<RemoteFile> file;
     while (const std::byte* const page = faults_.next()) {
       const auto offset = static_cast<std::uint64_t>(page - begin_);
-      if (state_at(offset) != Page::missing) {
-        // A page that is coming wakes the threads when it is stored. One that was stored between the fault
-        // and this message has not woken them.
-        if (state_at(offset) == Page::there) faults_.wake(begin_ + offset);
+      if (state_at(offset) != PageState::missing) {
+        // A requested page wakes its threads when it is stored. One that was stored between the fault and
+        // this message has not woken them.
+        if (state_at(offset) == PageState::present) faults_.wake(begin_ + offset);
         continue;
       }
       try {
@@ -260,27 +264,27 @@ class FaultingMap final : public RemoteMap {
       } catch (...) {
         fail(std::current_exception());
       }
-      const std::vector<Block> blocks = claim(offset, end_of_fault(offset));
+      const std::vector<Block> blocks = claim(offset, request_end(offset));
       if (!blocks.empty())
         receive(*(file ? file : file_), blocks);
-      else if (state_at(offset) == Page::there)
+      else if (state_at(offset) == PageState::present)
         faults_.wake(begin_ + offset);
     }
   }
 
-  Page state_at(std::uint64_t offset) {
+  PageState state_at(std::uint64_t offset) {
     const std::scoped_lock lock(mutex_);
     return state(offset);
   }
 
-  static constexpr std::size_t k_pages_of_chunk = 256;
+  static constexpr std::size_t k_chunk_pages = 256;
 
   const std::string name_;
   const ::pid_t process_ = ::getpid();
   std::unique_ptr<RemoteFile> file_;
-  const std::uint64_t size_, mapped_;
-  const std::uint64_t most_in_all_;  ///< what all maps may hold while this one grows
-  std::atomic<std::uint64_t> arrived_ = 0;
+  const std::uint64_t size_, mapped_;     ///< bytes of the file, and of the map, which ends with a page
+  const std::uint64_t most_of_all_maps_;  ///< bytes that all maps may hold while this one grows
+  std::atomic<std::uint64_t> held_bytes_ = 0;
   std::byte* begin_ = nullptr;
   PageFaults faults_;
   std::vector<std::thread> threads_;
@@ -289,12 +293,13 @@ class FaultingMap final : public RemoteMap {
   BlockOf block_of_;
   CheckBlock check_;
   std::mutex mutex_;  ///< of all members below
-  /// A chunk is made when a page of it is first read: servers may state any size.
-  std::unordered_map<std::uint64_t, std::array<Page, k_pages_of_chunk>> states_;
-  std::uint64_t next_ = 0, ahead_ = 0;
+  /// By chunk of pages, created on first use: servers may state any size.
+  std::unordered_map<std::uint64_t, std::array<PageState, k_chunk_pages>> states_;
+  std::uint64_t request_end_ = 0;  ///< of the last fault
+  std::uint64_t read_ahead_ = 0;   ///< bytes
 };
 
-// Userfaultfd does not follow a process that forks: the new one would read zeros.
+// userfaultfd(2) does not serve the child of fork(2), which would read zeros.
 
 void lock_registry() {
   registry().mutex.lock();
