@@ -58,12 +58,12 @@ class E57Pages {
   /// and some pages. Cost: with ascending offsets, each page is read and checked once.
   std::span<const std::byte> view(std::uint64_t offset, std::size_t count);
 
-  /// Passes `count` bytes from `offset` on to `take`, in pieces, so that a large file inside the file needs
-  /// little memory. Errors: those of view().
+  /// Calls `take` with the bytes [offset, offset + count) in pieces, so that large sections need little
+  /// memory. Errors: those of view().
   void visit(std::uint64_t offset, std::uint64_t count,
              const std::function<void(std::span<const std::byte>)>& take);
 
-  /// Releases file handle and buffer until the next view().
+  /// Releases the file handle and the buffer; the next view() acquires them again.
   void rest();
 
   [[noreturn]] void fail(std::string where, std::string problem, std::string expected = {},
@@ -78,8 +78,8 @@ class E57Pages {
   std::uint64_t window_page_ = 0;
 };
 
-/// Harmless oddities of a file, as clauses. Hundreds of scans by one program have the same oddity: the
-/// clauses report the first of each kind, and the number of others.
+/// Harmless oddities of a file, as clauses of a warning. Hundreds of scans may have the same oddity:
+/// clauses() reports the first of each kind, and the number of others.
 class E57Oddities {
  public:
   void add(const std::string& kind, const std::string& clause) {
@@ -133,7 +133,7 @@ struct E57Pose {
   bool is_rotated = false;  ///< whether the rotation is not the identity
 };
 
-/// The values of darkest and brightest.
+/// Values of the darkest and the brightest colour or intensity that a scan can have; empty if not stated.
 using E57Limits = std::optional<std::array<double, 2>>;
 
 struct E57Scan {
@@ -151,7 +151,7 @@ struct E57Scan {
   std::uint64_t first_packet = 0;
 };
 
-/// A file inside the file.
+/// The contents of a binary section, such as an image file.
 struct E57Blob {
   std::uint64_t offset = 0;  ///< of its first byte, without checksums
   std::uint64_t length = 0;

@@ -26,7 +26,7 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(k_blanks) - begin + 1);
 }
 
-/// Rotation by a unit quaternion of Hamilton's convention.
+/// Rotation by a unit quaternion in Hamilton's convention.
 glm::dmat3 rotation_of(double w, double x, double y, double z) {
   return {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
           {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
@@ -34,9 +34,8 @@ glm::dmat3 rotation_of(double w, double x, double y, double z) {
 }
 
 constexpr std::uint64_t k_section_header_bytes = 32;
-constexpr int k_deepest_prototype = 8;
-/// Limits the names of fields, which contain those of all structures around them.
-constexpr std::size_t k_longest_name = 256;
+constexpr int k_deepest_prototype = 8;       ///< levels of structures
+constexpr std::size_t k_longest_name = 256;  ///< bytes; names of fields include those of their structures
 
 E57Field read_field(const E57Node& node, std::string name) {
   E57Field field;
@@ -56,7 +55,7 @@ E57Field read_field(const E57Node& node, std::string name) {
       field.scale = node.number_attribute("scale").value_or(1.0);
       field.offset = node.number_attribute("offset").value_or(0.0);
     }
-    // No sensor has more steps than this: wider ranges are those of a type.
+    // No sensor has a finer resolution: wider ranges are limits of the type, not of the data.
     const int most_bits = field.kind == E57FieldKind::integer ? 30 : 62;
     if (minimum && maximum && field.bits() <= most_bits) {
       const double a = static_cast<double>(*minimum) * field.scale + field.offset;
@@ -68,7 +67,7 @@ E57Field read_field(const E57Node& node, std::string name) {
     if (!precision.empty() && precision != "single" && precision != "double")
       node.fail("unknown precision", "single or double", quote(precision));
     field.kind = precision == "single" ? E57FieldKind::float32 : E57FieldKind::float64;
-    // As above, larger limits are those of a type.
+    // As above, larger values are limits of the type.
     constexpr double k_unlimited = 1e30;
     const auto minimum = parse_number(node.element().attribute("minimum").value());
     const auto maximum = parse_number(node.element().attribute("maximum").value());
@@ -82,7 +81,7 @@ E57Field read_field(const E57Node& node, std::string name) {
   return field;
 }
 
-/// Appends the leaves of a prototype in document order. Each leaf has a stream of bytes.
+/// Appends the leaves of a prototype in document order. Each leaf is a field, stored in a stream of its own.
 void read_fields(const E57Node& parent, const std::string& prefix, int depth, std::vector<E57Field>& fields) {
   if (depth > k_deepest_prototype) parent.fail("too many nested levels", "at most 8 levels");
   for (const pugi::xml_node& element : parent.element().children()) {
@@ -107,11 +106,11 @@ E57Limits read_limits(const E57Node& parent, const std::string& name) {
   const E57Node low = parent.child((name + "Minimum").c_str());
   const E57Node high = parent.child((name + "Maximum").c_str());
   if (!low || !high) return std::nullopt;
-  // An element without text is 0.
+  // An element without text has the default value of E57, 0.
   return {{low.number_or(0.0), high.number_or(0.0)}};
 }
 
-/// Finds the section of the scan's records and checks that it can hold them.
+/// Sets the section of the scan's records and checks that it lies in the file and can hold them.
 void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
   const std::string& where = points.where();
   scan.begin = pages.offset_of(points.require_count_attribute("fileOffset"), where, "the section of points");
@@ -132,7 +131,7 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
                fmt::format("{} to {}", scan.begin + k_section_header_bytes, scan.end),
                std::to_string(scan.first_packet));
 
-  // Records of constants take no bytes at all: they are limited as if they had one bit.
+  // Records of constant fields take no bits. Counting one bit for them limits their number.
   std::uint64_t bits = 0;
   for (const E57Field& field : scan.fields) bits += static_cast<std::uint64_t>(field.bits());
   const std::uint64_t most = (scan.end - scan.begin) * 8 / std::max<std::uint64_t>(bits, 1);
@@ -144,7 +143,7 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
 
 constexpr std::uint64_t k_blob_header_bytes = 16;
 
-/// Finds the section of a file inside the file and checks that it lies in the file.
+/// The contents of the binary section that `node` describes. Checks that they lie in the E57 file.
 E57Blob locate_blob(const E57Node& node, E57Pages& pages) {
   const std::uint64_t length = node.require_count_attribute("length");
   const std::uint64_t begin =
@@ -170,9 +169,11 @@ std::string extension_of(const E57Blob& blob, E57Pages& pages) {
   return start.starts_with(k_png) ? "png" : start.starts_with(k_jpeg) ? "jpg" : "bin";
 }
 
-constexpr const char* k_elements[] = {"visualReferenceRepresentation", "pinholeRepresentation",
-                                      "sphericalRepresentation", "cylindricalRepresentation"};
+/// Elements of an image, in the order of E57Projection.
+constexpr const char* k_representations[] = {"visualReferenceRepresentation", "pinholeRepresentation",
+                                             "sphericalRepresentation", "cylindricalRepresentation"};
 
+/// Empty without an image file.
 std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projection, E57Pages& pages) {
   const E57Node jpeg = node.child("jpegImage"), png = node.child("pngImage");
   if (!jpeg && !png) return std::nullopt;
@@ -188,10 +189,10 @@ std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projec
   picture.pixel_height = node.child("pixelHeight").number_or(0.0);
   picture.principal_x = node.child("principalPointX").number_or(0.0);
   picture.principal_y = node.child("principalPointY").number_or(0.0);
-  // One writer misspells the radius.
+  // One writer misspells "radius".
   picture.radius = node.child("radius").number_or(node.child("readius").number_or(0.0));
   if (projection == E57Projection::spherical && picture.width > 0 && picture.height > 0) {
-    // Some writers leave out the sizes of pixels if an image covers the whole sphere.
+    // Some writers omit the sizes of pixels of an image that covers the whole sphere.
     if (picture.pixel_width == 0.0)
       picture.pixel_width = 2.0 * std::numbers::pi / static_cast<double>(picture.width);
     if (picture.pixel_height == 0.0)
@@ -311,7 +312,7 @@ E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddit
     if (!names.insert(field.name).second)
       points.fail("duplicate field name", "unique names", quote(field.name));
   }
-  // Without records, writers store arbitrary offsets of the section.
+  // If a scan has no records, the offset of its section may be arbitrary.
   if (scan.record_count > 0) locate_section(points, pages, scan);
   return scan;
 }
@@ -323,7 +324,7 @@ E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& odd
   image.scan_guid = parent.child("associatedData3DGuid").text();
   image.pose = read_e57_pose(parent, oddities);
   for (int i = 0; i < 4; ++i) {
-    const E57Node node = parent.child(k_elements[i]);
+    const E57Node node = parent.child(k_representations[i]);
     if (!node) continue;
     const auto picture = read_picture(node, static_cast<E57Projection>(i), pages);
     if (picture) image.pictures.push_back(*picture);
