@@ -24,7 +24,7 @@ using RayLanes = hn::CappedTag<float, 16>;
 using RayNumbers = hn::RebindToUnsigned<RayLanes>;
 using RayVector = hn::Vec<RayLanes>;
 
-/// What vectors may touch behind the end of a list.
+/// Elements behind the end of a list that vectors may overwrite.
 constexpr std::uint32_t k_list_padding = 16;
 
 /// Columns of a table with eight floats to the row, one lane per row.
@@ -98,10 +98,10 @@ struct RayGroup {
   }
 };
 
-/// Rays that meet something, with where they do.
+/// Rays that meet the box of a node or leaf.
 struct RayList {
-  std::uint32_t* rays;
-  float* t_near;  ///< null for rays at the root
+  std::uint32_t* rays;  ///< numbers in the batch
+  float* t_near;        ///< where they enter the box; null at the root
   std::uint32_t count;
 
   /// Appends lanes of a mask.
@@ -116,7 +116,7 @@ struct RayList {
     count += compress.count();
   }
 
-  /// Discards the rays that need nothing any more that begins at t_near.
+  /// Discards the rays whose answers no point at t_near or beyond can change.
   void discard(const RayBoxes* boxes) {
     const RayLanes d;
     const RayNumbers n;
@@ -133,7 +133,7 @@ struct RayList {
     pad();
   }
 
-  /// Vectors at the end read the first ray again.
+  /// Repeats the first ray behind the end, for the last vector.
   void pad() {
     const RayLanes d;
     const RayNumbers n;
@@ -171,9 +171,9 @@ class LeafGroupTest {
     }
   }
 
-  void visit(const RayBatch& batch, const RayList& list, std::uint64_t& answers) const {
+  void visit(const RayBatch& batch, const RayList& list, std::uint64_t& tests) const {
     for (std::uint32_t i = 0; i < list.count; i += static_cast<std::uint32_t>(hn::Lanes(RayLanes())))
-      visit_group(batch, list.rays + i, list.t_near + i, list.count - i, answers);
+      visit_group(batch, list.rays + i, list.t_near + i, list.count - i, tests);
   }
 
  private:
@@ -205,7 +205,7 @@ class LeafGroupTest {
   };
 
   void visit_group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::uint32_t left,
-                   std::uint64_t& answers) const {
+                   std::uint64_t& tests) const {
     const RayLanes d;
     const std::size_t rows = std::min<std::size_t>(hn::Lanes(d), left);
     const Group group(batch, rays, t_near, rows, frame_.corner);
@@ -230,7 +230,7 @@ class LeafGroupTest {
       possible |= (hn::AllFalse(d, near) ? 0u : 1u) << i;
     }
     if (possible == 0) return;
-    ++answers;
+    ++tests;
 
     const auto surely_low = hn::Add(group.t_min, error), surely_high = hn::Sub(group.t_max, error),
                surely_after = hn::Add(group.entry_min, error);

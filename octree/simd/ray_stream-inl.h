@@ -20,16 +20,17 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Many rays of one octant through the tree together, one lane per ray: every node is read once for all rays
-/// that meet it, its boxes are turned into floats once, and so are the points of leaves. Where few are left,
-/// each continues alone.
+/// Traverses the tree with many rays of one octant (signs of their directions) together, one lane per ray:
+/// each node is read once for all rays that meet it, and its boxes, or the points of a leaf, are converted to
+/// floats once. Where few rays are left, each continues alone.
 template <Measure measure, bool any, Radii radii>
 class RayStream {
  public:
   explicit RayStream(const Traversed<measure, any, radii>& traversed)
       : traversed_(traversed), setup_(traversed.setup) {}
 
-  /// rays: numbers in the batch, all of this octant; k_list_padding more may be written over.
+  /// rays: their numbers in the batch, all of the octant. The k_list_padding elements behind them are
+  /// overwritten.
   void run(const RayBatch& batch, std::span<std::uint32_t> rays, unsigned octant) {
     batch_ = batch;
     octant_ = octant;
@@ -40,39 +41,45 @@ class RayStream {
   }
 
  private:
-  static constexpr std::uint32_t k_min_rays = 4;  ///< at a node
+  // Fewer rays than these continue alone.
+  static constexpr std::uint32_t k_min_rays_at_node = 4;
   static constexpr std::uint32_t k_min_rays_at_leaf = 3;
 
-  /// Room for the rays that meet each slot of a node.
+  /// Memory for k_node_width lists of rays: those that meet each slot of a node.
   struct Lists {
     std::unique_ptr<std::uint32_t[]> rays;
     std::unique_ptr<float[]> t_near;
-    std::size_t room = 0;
+    std::size_t capacity = 0;  ///< of each list
 
+    /// For `count` rays in each list. Contents are lost.
     void reserve(std::size_t count) {
-      if (room >= count + k_list_padding) return;
-      room = count + k_list_padding;
-      rays = std::make_unique_for_overwrite<std::uint32_t[]>(k_node_width * room);
-      t_near = std::make_unique_for_overwrite<float[]>(k_node_width * room);
+      if (capacity >= count + k_list_padding) return;
+      capacity = count + k_list_padding;
+      rays = std::make_unique_for_overwrite<std::uint32_t[]>(k_node_width * capacity);
+      t_near = std::make_unique_for_overwrite<float[]>(k_node_width * capacity);
     }
+    /// An empty list in the memory of this number.
     RayList list(std::size_t number) const {
-      return {rays.get() + number * room, t_near.get() + number * room, 0};
+      return {rays.get() + number * capacity, t_near.get() + number * capacity, 0};
     }
   };
 
-  /// Faces of a node's boxes, widened, from the setup's corner, metres; first met, last met.
+  /// Faces of the boxes of a node's slots, widened by the radius: metres from the setup's corner. The rays
+  /// meet `near` first and `far` last.
   struct Faces {
     alignas(64) float near[3][k_node_width], far[3][k_node_width];
   };
 
   void visit_node(const Frame& frame, const RayList& list) {
-    if (list.count < k_min_rays) {
+    if (list.count < k_min_rays_at_node) {
       trace_each(frame, list);
       return;
     }
     const Node& node = setup_.tree.nodes[frame.node];
     const Slots slots(node);
-    unsigned single = 0, wanted = slots.leaf | (frame.depth < traversed_.max_depth ? slots.inner : 0u);
+    // Sets of slots (bits): those to visit, and leaves whose points have equal positions, so that one is
+    // tested.
+    unsigned wanted = slots.leaf | (frame.depth < traversed_.max_depth ? slots.inner : 0u), single = 0;
     if (frame.level == k_min_frame_level && (traversed_.skips_twins || traversed_.rejects_twins)) {
       const SamePositions same(node);
       if (traversed_.skips_twins) {
@@ -96,28 +103,28 @@ class RayStream {
     } else {
       meet_rays_in_lanes(faces, list, wanted, met);
     }
-    unsigned any_met = 0;
+    unsigned met_slots = 0;
     for (unsigned rest = wanted; rest != 0; rest &= rest - 1) {
       const int slot = std::countr_zero(rest);
       if (met[slot].count == 0) continue;
-      any_met |= 1u << slot;
+      met_slots |= 1u << slot;
       met[slot].pad();
       if ((slots.leaf >> slot & 1u) != 0) {
         const std::uint16_t* coordinates =
             setup_.tree.coordinates + std::size_t{3} * slots.first_point(node, slot);
-        for (int line = 0; line < 3; ++line) hwy::Prefetch(coordinates + 32 * line);
+        for (int line = 0; line < 3; ++line) hwy::Prefetch(coordinates + 32 * line);  // of 64 bytes
       } else {
         hwy::Prefetch(setup_.tree.nodes + slots.child(node, slot));
         hwy::Prefetch(&setup_.tree.nodes[slots.child(node, slot)].high[1]);
       }
     }
-    const SlotOrder order = front_to_back(node, octant_, any_met);
-    const std::uint64_t answers_before = answers_;
+    const SlotOrder order = front_to_back(node, octant_, met_slots);
+    const std::uint64_t tests_before = tests_;
     const auto leaf_frame = traversed_.leaf_test.leaf_frame(frame.corner, frame.level);
     for (int i = 0; i < order.count; ++i) {
       const int slot = order.slot[i];
       RayList& rays = met[slot];
-      if (answers_ != answers_before) rays.discard(batch_.boxes);
+      if (tests_ != tests_before) rays.discard(batch_.boxes);
       if (rays.count == 0) continue;
       if ((slots.leaf >> slot & 1u) != 0) {
         const Leaf leaf = slots.leaf_in(node, frame, slot);
@@ -130,7 +137,7 @@ class RayStream {
 
   void trace_each(const Frame& frame, const RayList& list) {
     for (std::uint32_t i = 0; i < list.count; ++i) trace(traversed_, batch_[list.rays[i]], frame);
-    ++answers_;
+    ++tests_;
   }
 
   void test_leaf(const Leaf& leaf, std::uint32_t count,
@@ -138,13 +145,13 @@ class RayStream {
     if constexpr (measure != Measure::crossing) {
       if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
         LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, frame)
-            .visit(batch_, list, answers_);
+            .visit(batch_, list, tests_);
         return;
       }
     }
     for (std::uint32_t i = 0; i < list.count; ++i)
       traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, frame, list.t_near[i]);
-    ++answers_;
+    ++tests_;
   }
 
   Faces faces_of(const Node& node, const Frame& frame) const {
@@ -176,7 +183,8 @@ class RayStream {
     return faces;
   }
 
-  /// Fills the lists of the slots in the set (bits), one lane per slot.
+  /// Appends rays to the lists in `met` of those `wanted` slots (bits) whose boxes they meet. One lane per
+  /// slot: faster for few rays.
   void meet_boxes_in_lanes(const Faces& faces, const RayList& list, unsigned wanted, RayList* met) const {
     const ChildLanes d;
     for (std::uint32_t i = 0; i < list.count; ++i) {
@@ -203,7 +211,7 @@ class RayStream {
     }
   }
 
-  /// Fills the lists with one lane per ray.
+  /// As meet_boxes_in_lanes(), with one lane per ray: faster for many rays.
   void meet_rays_in_lanes(const Faces& faces, const RayList& list, unsigned wanted, RayList* met) const {
     const RayLanes d;
     const RayNumbers n;
@@ -231,8 +239,8 @@ class RayStream {
   const QuerySetup& setup_;
   RayBatch batch_{};
   unsigned octant_ = 0;
-  std::uint64_t answers_ = 0;  ///< grows when rays may have found better points
-  std::vector<Lists> lists_;   ///< by depth
+  std::uint64_t tests_ = 0;   ///< changes when rays may have found nearer points
+  std::vector<Lists> lists_;  ///< by depth
 };
 
 }  // namespace HWY_NAMESPACE
