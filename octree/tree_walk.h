@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -124,9 +127,11 @@ template <class MakeWorker>
 void for_each_leaf_in_parallel(const TreeView& tree, const Progress& progress,
                                const MakeWorker& make_worker) {
   constexpr std::size_t k_leaves_per_task = 1u << 8;
-  PieceSize at_once({.first = 4 * k_leaves_per_task,
-                     .least = k_leaves_per_task,
-                     .most = 1u << 17,
+  // Fewer leaves would take as long as these, and leave threads idle.
+  const std::size_t least = k_leaves_per_task * thread_count();
+  PieceSize at_once({.first = std::max(4 * k_leaves_per_task, least),
+                     .least = least,
+                     .most = std::max(std::size_t{1} << 17, least),
                      .wanted = std::chrono::milliseconds(200)});
   std::vector<Leaf> leaves;
   std::uint64_t done = 0;
