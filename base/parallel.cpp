@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <exception>
 #include <memory>
 
@@ -14,6 +15,7 @@ namespace alidade {
 
 void detail::run_in_blocks(std::size_t count, std::size_t size, std::size_t most_threads, BlockWork run,
                            const void* work) {
+  assert(size > 0);
   const std::size_t block_count = count / size + (count % size != 0);
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;  // of the two below

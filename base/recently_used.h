@@ -14,6 +14,10 @@ namespace alidade {
 template <class Key, class Value, class Hash = std::hash<Key>>
 class RecentlyUsed {
  public:
+  RecentlyUsed() = default;
+  RecentlyUsed(const RecentlyUsed&) = delete;
+  RecentlyUsed& operator=(const RecentlyUsed&) = delete;
+
   /// The value of a key, which becomes the most recently used one; null if there is none.
   Value* find(const Key& key) {
     const auto found = entries_.find(key);

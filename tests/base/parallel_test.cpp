@@ -41,6 +41,21 @@ TEST(Parallel, the_error_of_the_first_block_that_has_one_is_thrown) {
   }
 }
 
+TEST(Parallel, of_loops_in_a_loop_the_error_of_the_first_one_is_thrown) {
+  for (int trial = 0; trial < 20; ++trial) {
+    try {
+      in_parallel(20, 1, [](int i) {
+        in_parallel(20, 1, [i](int j) {
+          if (i >= 7 && j >= 3) throw std::runtime_error(std::to_string(100 * i + j));
+        });
+      });
+      FAIL();
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), std::string("703"));
+    }
+  }
+}
+
 TEST(Parallel, at_most_as_many_blocks_as_requested_run_at_once) {
   std::atomic<int> running = 0, most = 0;
   in_parallel(200, 1, 2, [&](int) {
