@@ -17,7 +17,7 @@
 namespace alidade {
 namespace {
 
-/// Triangles of a leaf.
+/// Triangles in a block, which is a leaf of the tree.
 constexpr std::uint32_t k_block = 4;
 
 /// Each level halves the ranges, and there are fewer than 2^32 triangles.
@@ -25,7 +25,7 @@ constexpr int k_most_levels = 32;
 
 using Box = std::array<glm::vec3, 2>;
 
-/// The value as a float, rounded towards `towards`, which is infinite.
+/// The nearest float of the value on the side of `towards`, which is infinite.
 float rounded(double value, float towards) {
   const auto nearest = static_cast<float>(value);
   const bool is_outside = towards < 0.0f ? nearest <= value : nearest >= value;
@@ -34,7 +34,7 @@ float rounded(double value, float towards) {
 
 }  // namespace
 
-/// The state of a ray on its walk through the tree, in coordinates from the middle of the mesh.
+/// A ray on its walk through the tree, in coordinates relative to the middle of the mesh.
 class TriangleTree::Walk {
  public:
   Walk(const Ray& ray, const glm::dvec3& origin)
@@ -55,16 +55,16 @@ class TriangleTree::Walk {
     return stretch;
   }
 
-  /// The stretch within a node's box and the remaining interval of the ray.
-  Stretch left_within(const Box& box) const {
+  /// The stretch within a node's box and [t_min, t_max].
+  Stretch clipped(const Box& box) const {
     Stretch stretch = within(box[0], box[1]);
     stretch.cut({t_min, t_max});
     return stretch;
   }
 
-  /// Where the ray meets a triangle, as t and the weights of a, b, c; empty if it passes by or lies in its
-  /// plane. Two triangles get the same value for the side they share, so that no ray slips between them.
-  /// Source: Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013.
+  /// Where the ray meets a triangle, as t and the weights of a, b, c; empty if it misses the triangle or lies
+  /// in its plane. The test of an edge has the same value for both triangles, so that no ray passes between
+  /// them. Source: Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013.
   std::optional<std::pair<double, std::array<double, 3>>> meet(const glm::dvec3& a, const glm::dvec3& b,
                                                                const glm::dvec3& c) const {
     const glm::dvec3 from_a = sheared(a), from_b = sheared(b), from_c = sheared(c);
@@ -78,10 +78,10 @@ class TriangleTree::Walk {
     return std::pair(weights[0] * from_a.z + weights[1] * from_b.z + weights[2] * from_c.z, weights);
   }
 
-  double t_min, t_max;
+  double t_min, t_max;  ///< t_max shrinks to the best hit
 
  private:
-  /// A vertex in coordinates along the ray: x and y across it, z in units of t.
+  /// A vertex relative to the ray: x and y across it, z along it in units of t.
   glm::dvec3 sheared(const glm::dvec3& vertex) const {
     const glm::dvec3 offset = vertex - slabs_.origin();
     return {offset[x_] - shear_.x * offset[z_], offset[y_] - shear_.y * offset[z_], shear_.z * offset[z_]};
@@ -92,7 +92,8 @@ class TriangleTree::Walk {
   int x_ = 0, y_ = 0, z_ = 0;
 };
 
-/// Builds the tree: sorts triangles, and cuts each range of blocks in the middle along its longest side.
+/// Builds the tree: sorts the triangles so that each range of blocks is halved along the longest side of its
+/// box.
 class TriangleTree::Build {
  public:
   Build(TriangleTree& tree, const Progress& progress)
@@ -123,14 +124,15 @@ class TriangleTree::Build {
   static constexpr std::uint32_t k_blocks_of_a_task = 1024;
 
   struct Item {
-    glm::vec3 corner_sum{0.0f};
-    std::uint32_t number = 0;
+    glm::vec3 corner_sum{0.0f};  ///< three times the centroid
+    std::uint32_t number = 0;    ///< in the mesh
   };
 
   std::size_t first_of(std::uint32_t block) const {
     return std::min(std::size_t{block} * k_block, items_.size());
   }
 
+  /// Builds the nodes of the blocks [begin, end), and returns their box.
   Box build(std::uint32_t begin, std::uint32_t end) {
     if (end - begin == 1) return box_of_block(begin);
     const std::uint32_t middle = begin + (end - begin) / 2;
@@ -153,6 +155,7 @@ class TriangleTree::Build {
     return box;
   }
 
+  /// Sorts items as far as needed: those before `middle` come first along the longest axis.
   void cut(std::size_t begin, std::size_t middle, std::size_t end) {
     glm::vec3 low = items_[begin].corner_sum, high = low;
     for (std::size_t i = begin; i < end; ++i) {
@@ -204,8 +207,8 @@ TriangleTree::Walk TriangleTree::walk_of(const Ray& ray) const {
   return {ray, ray.origin - middle_};
 }
 
-/// A hit without normal. t is clamped to the triangle's own box, which rounding may leave if
-/// the ray grazes the plane.
+/// The hit of a triangle, without its normal; empty if there is none. t is clamped to the triangle's box,
+/// because rounding may move it outside if the ray grazes the plane.
 std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t slot) const {
   const TriangleMesh::Triangle& triangle = triangles_[slot];
   const glm::dvec3 &a = vertices_[triangle[0]], &b = vertices_[triangle[1]], &c = vertices_[triangle[2]];
@@ -218,7 +221,7 @@ std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t sl
   return TriangleHit{.t = t, .triangle = numbers_[slot], .vertices = triangle, .weights = met->second};
 }
 
-/// As meet(); empty if `counts` does not admit the hit.
+/// As meet(); empty also if `counts` rejects the hit.
 std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t slot, const Ray& ray,
                                               const TriangleFilter& counts) const {
   std::optional<TriangleHit> hit = meet(walk, slot);
@@ -226,42 +229,45 @@ std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t sl
   return hit;
 }
 
+/// The hit with its normal.
 TriangleHit TriangleTree::finished(const Ray& ray, TriangleHit hit) const {
   const glm::dvec3& a = vertices_[hit.vertices[0]];
   const glm::dvec3 normal = glm::cross(vertices_[hit.vertices[1]] - a, vertices_[hit.vertices[2]] - a);
-  // In coordinates from the middle, a sliver far from the origin may have lost its area to rounding.
+  // Rounding the vertices relative to the middle may leave a sliver without area.
   hit.normal = normal == glm::dvec3(0.0) ? -ray.direction : unit_direction(normal);
   if (glm::dot(hit.normal, ray.direction) > 0.0) hit.normal = -hit.normal;
   return hit;
 }
 
+/// Visits the slots of all blocks whose boxes the ray meets, the nearer half of a range first, until
+/// visit(slot) returns true.
 template <class Visit>
-void TriangleTree::for_blocks(Walk& walk, const Visit& visit) const {
+void TriangleTree::for_slots(Walk& walk, const Visit& visit) const {
   struct Range {
     std::uint32_t begin, end;
     double entry;
   };
-  const Stretch all = walk.left_within(nodes_[0].boxes[0]);
+  const Stretch all = walk.clipped(nodes_[0].boxes[0]);
   if (all.empty()) return;
   std::array<Range, k_most_levels + 1> waiting;
   int count = 0;
   waiting[count++] = {0, static_cast<std::uint32_t>(nodes_.size()), all.begin};
   while (count > 0) {
     Range range = waiting[--count];
-    // Triangles at an equal t may have a smaller number.
-    bool goes_on = range.entry <= walk.t_max;
-    while (goes_on && range.end - range.begin > 1) {
+    // Not less than t_max: a triangle at an equal t may have a smaller number.
+    bool is_met = range.entry <= walk.t_max;
+    while (is_met && range.end - range.begin > 1) {
       const std::uint32_t middle = range.begin + (range.end - range.begin) / 2;
       const Node& node = nodes_[middle];
-      const Stretch first = walk.left_within(node.boxes[0]), second = walk.left_within(node.boxes[1]);
+      const Stretch first = walk.clipped(node.boxes[0]), second = walk.clipped(node.boxes[1]);
       const bool meets_first = !first.empty(), meets_second = !second.empty();
       const Range first_half{range.begin, middle, first.begin}, second_half{middle, range.end, second.begin};
       const bool first_is_nearer = first.begin <= second.begin;
       if (meets_first && meets_second) waiting[count++] = first_is_nearer ? second_half : first_half;
-      goes_on = meets_first || meets_second;
+      is_met = meets_first || meets_second;
       range = meets_first && (!meets_second || first_is_nearer) ? first_half : second_half;
     }
-    if (!goes_on) continue;
+    if (!is_met) continue;
     const std::uint64_t begin = std::uint64_t{range.begin} * k_block;
     const std::uint64_t end = std::min<std::uint64_t>(begin + k_block, triangles_.size());
     for (std::uint64_t slot = begin; slot < end; ++slot)
@@ -272,7 +278,7 @@ void TriangleTree::for_blocks(Walk& walk, const Visit& visit) const {
 std::optional<TriangleHit> TriangleTree::closest(const Ray& ray, const TriangleFilter& counts) const {
   Walk walk = walk_of(ray);
   std::optional<TriangleHit> best;
-  for_blocks(walk, [&](std::uint32_t slot) {
+  for_slots(walk, [&](std::uint32_t slot) {
     const auto hit = meet(walk, slot, ray, counts);
     if (hit && (!best || std::pair(hit->t, hit->triangle) < std::pair(best->t, best->triangle))) {
       best = hit;
@@ -287,14 +293,14 @@ std::optional<TriangleHit> TriangleTree::closest(const Ray& ray, const TriangleF
 bool TriangleTree::occluded(const Ray& ray, const TriangleFilter& counts) const {
   Walk walk = walk_of(ray);
   bool is_met = false;
-  for_blocks(walk, [&](std::uint32_t slot) { return is_met = meet(walk, slot, ray, counts).has_value(); });
+  for_slots(walk, [&](std::uint32_t slot) { return is_met = meet(walk, slot, ray, counts).has_value(); });
   return is_met;
 }
 
 bool TriangleTree::any(const std::function<bool(const Bounds&)>& box,
                        const std::function<bool(const std::array<glm::dvec3, 3>&)>& triangle) const {
-  const auto accepts = [&](const Box& from_middle) {
-    return box({middle_ + glm::dvec3(from_middle[0]), middle_ + glm::dvec3(from_middle[1])});
+  const auto accepts = [&](const Box& relative) {
+    return box({middle_ + glm::dvec3(relative[0]), middle_ + glm::dvec3(relative[1])});
   };
   const auto accepts_any_of_block = [&](std::uint32_t block) {
     const std::size_t begin = std::size_t{block} * k_block;
