@@ -15,19 +15,19 @@ namespace alidade::image {
 namespace {
 
 constexpr std::size_t k_block_rows = 2048;
-constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
-double value_or_none(double value) {
-  return std::fabs(value) <= k_largest_value ? value : k_none;
+double value_or_nan(double value) {
+  return std::fabs(value) <= k_largest_value ? value : k_nan;
 }
 
-/// value_at(row) for every row.
+/// The values value_at(row), which are computed at each visit.
 template <class ValueAt>
 PointValues of_rows(std::uint64_t count, const ValueAt& value_at) {
   return {.count = count, .for_each_block = [count, value_at](const VisitBlock& visit) {
             in_blocks(count, k_block_rows, [&](std::size_t begin, std::size_t end) {
               std::array<double, k_block_rows> values;
-              for (std::size_t i = begin; i < end; ++i) values[i - begin] = value_or_none(value_at(i));
+              for (std::size_t i = begin; i < end; ++i) values[i - begin] = value_or_nan(value_at(i));
               visit({.values = {values.data(), end - begin}, .first_id = begin, .ids = {}});
             });
           }};
@@ -38,8 +38,8 @@ PointValues of_column(std::span<const Value> column) {
   return of_rows(column.size(), [column](std::uint64_t row) { return static_cast<double>(column[row]); });
 }
 
-double number_or_none(std::uint8_t number) {
-  return number == 0 ? k_none : number;
+double return_or_nan(std::uint8_t number) {
+  return number == 0 ? k_nan : number;
 }
 
 PointValues of_extra(const ExtraColumn& column) {
@@ -62,10 +62,10 @@ PointValues of_attribute(const std::string& name, const AttributeColumns& column
 }
 
 constexpr int k_digit_bits = 16;
-constexpr std::size_t k_digits = std::size_t{1} << k_digit_bits;
+constexpr std::size_t k_digits = std::size_t{1} << k_digit_bits;  ///< values of a digit
 constexpr std::uint64_t k_sign = std::uint64_t{1} << 63;
 
-/// Whole numbers in the order of the doubles they represent.
+/// Maps doubles to integers in the same order.
 std::uint64_t ordered_bits(double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value + 0.0);  // no negative zero
   return (bits & k_sign) != 0 ? ~bits : bits | k_sign;
@@ -75,16 +75,16 @@ double from_ordered_bits(std::uint64_t ordered) {
   return std::bit_cast<double>((ordered & k_sign) != 0 ? ordered ^ k_sign : ~ordered);
 }
 
-/// The search for the value of one rank, by its leading digits.
+/// The search for the value of one rank, digit by digit.
 struct Search {
-  std::uint64_t rank = 0;    ///< among the values that begin with these digits
-  std::uint64_t prefix = 0;  ///< the digits found
+  std::uint64_t rank = 0;    ///< among the values that begin with the prefix, from 0
+  std::uint64_t prefix = 0;  ///< the leading digits found so far
 };
 
 using Histogram = std::vector<std::uint64_t>;
 using Histograms = std::array<Histogram, 2>;
 
-/// Counts the next digits of the values that begin with what either search has found.
+/// For each search, how often each digit follows its prefix.
 Histograms count_digits(const PointValues& values, const std::array<Search, 2>& searches, int shift) {
   const Histograms zeros = {Histogram(k_digits), Histogram(k_digits)};
   tbb::enumerable_thread_specific<Histograms> of_threads(zeros);
@@ -132,9 +132,9 @@ PointValues values_of(const PointColoring& coloring, const AttributeColumns& col
     case PointColor::gps_time:
       return of_column(columns.gps_times);
     case PointColor::return_number:
-      return of_rows(returns.size(), [=](std::uint64_t row) { return number_or_none(returns[row].number); });
+      return of_rows(returns.size(), [=](std::uint64_t row) { return return_or_nan(returns[row].number); });
     case PointColor::number_of_returns:
-      return of_rows(returns.size(), [=](std::uint64_t row) { return number_or_none(returns[row].count); });
+      return of_rows(returns.size(), [=](std::uint64_t row) { return return_or_nan(returns[row].count); });
     case PointColor::attribute:
       return of_attribute(coloring.attribute, columns);
     default:
@@ -163,15 +163,15 @@ ValueExtent extent_of(const PointValues& values) {
     all.count += extent.count;
   }
   if (all.count == 0) return {};
-  // No negative zero, which some threads may have met and others not.
+  // Turns -0.0 into 0.0: which of the two is met first depends on the threads.
   return {{all.range.low + 0.0, all.range.high + 0.0}, all.count};
 }
 
 ValueRange percentiles_of(const PointValues& values, const ValueExtent& extent,
                           const ValueRange& percentiles) {
   if (extent.count == 0) return {};
-  const bool whole = percentiles.low == 0.0 && percentiles.high == 100.0;
-  if (whole || extent.range.low == extent.range.high) return extent.range;
+  const bool is_all = percentiles.low == 0.0 && percentiles.high == 100.0;
+  if (is_all || extent.range.low == extent.range.high) return extent.range;
   const auto last = static_cast<double>(extent.count - 1);
   std::array<Search, 2> searches = {
       {{.rank = static_cast<std::uint64_t>(std::floor(percentiles.low * last / 100.0))},
