@@ -23,7 +23,7 @@
 namespace alidade::compare {
 namespace {
 
-constexpr float k_none = std::numeric_limits<float>::quiet_NaN();
+constexpr float k_no_value = std::numeric_limits<float>::quiet_NaN();
 
 /// Sets the value of every pixel, in parallel.
 template <typename Value>
@@ -264,7 +264,7 @@ DifferenceMap color_difference(const ComparedImage& reference, const ComparedIma
   fill_values(map, [&](std::size_t pixel) {
     float largest = 0.0f;
     for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
-      if (!std::isfinite(reference.color[i]) || !std::isfinite(test.color[i])) return k_none;
+      if (!std::isfinite(reference.color[i]) || !std::isfinite(test.color[i])) return k_no_value;
       largest =
           std::max(largest, std::abs(display_value(test, curve, i) - display_value(reference, curve, i)));
     }
@@ -300,7 +300,7 @@ DifferenceMap depth_difference(const ComparedImage& reference, const ComparedIma
   fill_values(map, [&](std::size_t pixel) {
     const bool in_reference = is_depth(reference.depth[pixel]), in_test = is_depth(test.depth[pixel]);
     if (in_reference && in_test) return test.depth[pixel] - reference.depth[pixel];
-    return in_reference ? k_infinite : in_test ? -k_infinite : k_none;
+    return in_reference ? k_infinite : in_test ? -k_infinite : k_no_value;
   });
   map.title = "Depth difference";
   map.label = "test - reference (m)";

@@ -13,7 +13,7 @@
 namespace alidade::visibility {
 namespace {
 
-constexpr double k_none = std::numeric_limits<double>::infinity();
+constexpr double k_infinite = std::numeric_limits<double>::infinity();
 
 /// Where a point blocks a line, and the length of the line that counts as one crossing with it.
 struct Crossing {
@@ -43,7 +43,7 @@ class Crossings {
   /// The k-th separate crossing.
   std::optional<Blocker> separate(int k) const {
     int count = 0;
-    double end = -k_none;
+    double end = -k_infinite;
     for (const auto& [blocker, diameter] : found_) {
       if (blocker.distance <= end) continue;
       if (++count == k) return blocker;
@@ -99,15 +99,15 @@ class OpenLine {
 
   /// Continues when all candidates of the ray, or those before the cut, were collected.
   void advance() {
-    if (cut_ < k_none) {
+    if (cut_ < k_infinite) {
       known_ = cut_;
-      cut_ = k_none;
+      cut_ = k_infinite;
       cut_off();
       // A crossing that was found late may have moved the last one that matters farther away.
       if (cut_ > known_) return;
     }
-    known_ = -k_none;
-    cut_ = k_none;
+    known_ = -k_infinite;
+    cut_ = k_infinite;
     has_ended_ = ++chord_ == lines_->begin[line_ + 1];
     if (has_ended_) return;
     cut_off();
@@ -132,7 +132,7 @@ class OpenLine {
   const ChordLines* lines_;
   std::size_t line_, chord_;
   Crossings crossings_;
-  double known_ = -k_none, cut_ = k_none;  ///< projections on the chord
+  double known_ = -k_infinite, cut_ = k_infinite;  ///< projections on the chord
   bool has_ended_ = false;
 };
 

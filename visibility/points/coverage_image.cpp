@@ -13,7 +13,7 @@
 namespace alidade::visibility {
 namespace {
 
-constexpr int k_width = 900, k_height = 560, k_text_size = 20, k_tick = 6;
+constexpr int k_width = 900, k_height = 560, k_text_size = 20, k_tick_length = 6;
 constexpr image::PixelBox k_plot{90, 60, 870, 470};
 constexpr image::Rgb8 k_white{255, 255, 255}, k_words{30, 30, 30}, k_axis{95, 95, 95}, k_grid{225, 225, 225};
 constexpr image::Rgb8 k_before{166, 199, 224}, k_gain{31, 98, 152}, k_bound{176, 60, 40};
@@ -43,8 +43,8 @@ void draw_percent_axis(const Plot& plot) {
   for (const image::RoundTick& tick : image::round_ticks({0.0, plot.most}, 9)) {
     const int y = plot.row_of(tick.value);
     plot.canvas.fill({k_plot.left, y, k_plot.right, y + 1}, k_grid);
-    plot.canvas.fill({k_plot.left - k_tick, y, k_plot.left, y + 1}, k_axis);
-    plot.text(k_plot.left - 2 * k_tick, y + k_text_size / 3, tick.label, 1.0);
+    plot.canvas.fill({k_plot.left - k_tick_length, y, k_plot.left, y + 1}, k_axis);
+    plot.text(k_plot.left - 2 * k_tick_length, y + k_text_size / 3, tick.label, 1.0);
   }
 }
 
@@ -71,8 +71,8 @@ void draw_numbers(const Plot& plot, std::size_t count) {
     if (tick.value != std::floor(tick.value) || tick.value > last) continue;
     const auto i = static_cast<std::size_t>(tick.value) - 1;
     const int middle = (Plot::column_of(i, count) + Plot::column_of(i + 1, count)) / 2;
-    plot.canvas.fill({middle, k_plot.bottom, middle + 1, k_plot.bottom + k_tick}, k_axis);
-    plot.text(middle, k_plot.bottom + k_tick + k_text_size, std::to_string(i + 1), 0.5);
+    plot.canvas.fill({middle, k_plot.bottom, middle + 1, k_plot.bottom + k_tick_length}, k_axis);
+    plot.text(middle, k_plot.bottom + k_tick_length + k_text_size, std::to_string(i + 1), 0.5);
   }
   plot.text((k_plot.left + k_plot.right) / 2, k_height - k_text_size, "positions, in order of selection",
             0.5);

@@ -23,7 +23,7 @@
 namespace alidade::visibility {
 namespace {
 
-constexpr std::size_t k_lines_at_once = 1 << 18;
+constexpr std::size_t k_targets_per_block = 1 << 18;
 
 /// The targets within reach and view, and the lines to them.
 struct Views {
@@ -212,12 +212,12 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
                      PartCheckpoint* parts) {
   check_that(height >= 0.0 && std::isfinite(height), "invalid target height", "at least 0",
              std::to_string(height));
-  static_assert(k_lines_at_once % 64 == 0);
+  static_assert(k_targets_per_block % 64 == 0);
   Coverage coverage(candidates.size(), targets.size());
-  const std::size_t blocks = (targets.size() + k_lines_at_once - 1) / k_lines_at_once;
+  const std::size_t blocks = (targets.size() + k_targets_per_block - 1) / k_targets_per_block;
   const auto block = [&](std::uint64_t part) {
-    const std::size_t first = part % blocks * k_lines_at_once;
-    return targets.subspan(first, std::min(k_lines_at_once, targets.size() - first));
+    const std::size_t first = part % blocks * k_targets_per_block;
+    return targets.subspan(first, std::min(k_targets_per_block, targets.size() - first));
   };
   // Of each block, filled when it is first examined.
   std::vector<std::vector<SightEnd>> ends(blocks);
@@ -236,7 +236,7 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
         std::vector<std::uint64_t> words((count + 63) / 64);
         reader.take_all(words);
         reader.require(count % 64 == 0 || words.back() >> (count % 64) == 0);
-        coverage.set_words(part / blocks, part % blocks * (k_lines_at_once / 64), words);
+        coverage.set_words(part / blocks, part % blocks * (k_targets_per_block / 64), words);
         report(progress, done += count, std::uint64_t{candidates.size()} * targets.size());
       });
   return coverage;

@@ -48,9 +48,9 @@ namespace {
 
 using image::k_panel_bar_height, image::k_panel_bar_width, image::k_panel_font_size, image::k_panel_line;
 using image::k_panel_note, image::k_panel_note_size, image::k_panel_row, image::k_panel_text;
-constexpr image::Rgb8 k_paper{255, 255, 255};
+constexpr image::Rgb8 k_background{255, 255, 255};
 constexpr image::Rgb8 k_mark{220, 30, 40}, k_halo{255, 255, 255};
-constexpr int k_margin = 24, k_title_size = 24, k_longest_names = 20;
+constexpr int k_margin = 24, k_map_title_size = 24, k_longest_names = 20;
 
 image::Rgb8 shaded(const image::Rgb8& color, double light) {
   // Shade is limited, so that colours remain distinguishable.
@@ -75,10 +75,10 @@ class MapDrawer {
         font_(font),
         rows_(rows()),
         layout_(layout(longest_side)),
-        canvas_(layout_.width, layout_.height, k_paper) {}
+        canvas_(layout_.width, layout_.height, k_background) {}
 
   image::Canvas draw() {
-    font_.draw(canvas_, k_margin, k_margin + k_title_size, image_.title, k_title_size, k_panel_text);
+    font_.draw(canvas_, k_margin, k_margin + k_map_title_size, image_.title, k_map_title_size, k_panel_text);
     draw_cells();
     canvas_.frame({layout_.map.left - 1, layout_.map.top - 1, layout_.map.right + 1, layout_.map.bottom + 1},
                   k_panel_line);
@@ -145,10 +145,10 @@ class MapDrawer {
     const auto pixels = [&](int count) {
       return std::max(1, static_cast<int>(std::lround(count / layout.cells_per_pixel)));
     };
-    const int top = k_margin + k_title_size + k_margin / 2 + 4;
+    const int top = k_margin + k_map_title_size + k_margin / 2 + 4;
     layout.map = {k_margin, top, k_margin + pixels(grid().columns), top + pixels(grid().rows)};
     layout.panel = layout.map.right + k_margin;
-    const int title = k_margin + font_.measure(image_.title, k_title_size).width;
+    const int title = k_margin + font_.measure(image_.title, k_map_title_size).width;
     layout.width = std::max(layout.panel + panel_width(), title) + k_margin;
     layout.height = std::max(layout.map.bottom + 3 * k_margin, top + panel_height() + k_margin);
     return layout;
@@ -160,7 +160,7 @@ class MapDrawer {
     for (const MapSwatch& swatch : image_.swatches) {
       if (swatch.value == value) return swatch.color;
     }
-    if (!image_.scale) return k_paper;
+    if (!image_.scale) return k_background;
     return image::to_rgb8(image::map_color(image_.scale->map, image_.scale->range.share(value)));
   }
 
@@ -231,7 +231,7 @@ class MapDrawer {
     const int pixels = std::max(1, static_cast<int>(std::lround(length / units_per_pixel())));
     const int left = layout_.map.left, top = layout_.map.bottom + k_margin / 2;
     canvas_.fill({left, top, left + pixels, top + 6}, k_panel_line);
-    canvas_.fill({left + pixels / 2, top + 1, left + pixels - 1, top + 5}, k_paper);
+    canvas_.fill({left + pixels / 2, top + 1, left + pixels - 1, top + 5}, k_background);
     const std::string label = fmt::format("{:g}{}{}", length, image_.unit.empty() ? "" : " ", image_.unit);
     font_.draw(canvas_, left + pixels + 10, top + 10, label, k_panel_font_size, k_panel_text);
   }
