@@ -321,10 +321,10 @@ void meet(const World& world, std::span<const CameraPath> paths, std::span<PathR
   }
 }
 
-/// What a surface shows of itself, and whether light matters to it.
+/// The colour of a surface in images without lights.
 struct Shown {
   Rgb color{0.0f};
-  bool shines = false;
+  bool is_emissive = false;  ///< whether the colour is a radiance, not an albedo
 };
 
 Shown shown(const Surface& surface) {
@@ -358,7 +358,7 @@ void trace_ambient_occlusion(const World& world, const Sky& sky, double ao_dista
       world, paths, results,
       [&](std::size_t path, const Intersection& met, const Surface& surface) {
         const Shown seen = shown(surface);
-        if (seen.shines) {
+        if (seen.is_emissive) {
           results[path].radiance = seen.color;
           return;
         }
@@ -389,7 +389,7 @@ void trace_headlight(const World& world, const Sky& sky, std::span<const CameraP
       [&](std::size_t path, const Intersection&, const Surface& surface) {
         const Shown seen = shown(surface);
         const double cosine = std::fabs(glm::dot(surface.normal, paths[path].ray.direction));
-        results[path].radiance = seen.shines ? seen.color : seen.color * static_cast<float>(cosine);
+        results[path].radiance = seen.is_emissive ? seen.color : seen.color * static_cast<float>(cosine);
       },
       [&](std::size_t path) { results[path].radiance = sky_radiance(sky, paths[path].ray.direction); });
 }

@@ -47,9 +47,9 @@ void trace_paths(const World& world, const Lights& lights, std::span<const Camer
                  std::span<PathResult> results);
 
 // Images without lights: one ray from the camera to the first surface, and for ambient occlusion one more.
-// They show a cloud's shape and colours at once, with little noise. A surface that shines by itself shows its
-// radiance in all of them; others show the albedo that image layers have. A ray that meets nothing brings the
-// sky as it is seen, but for trace_flat, which brings black.
+// They show a cloud's shape and colours at once, with little noise. An emissive surface shows its radiance in
+// all of them; others show the albedo that image layers have. A ray that meets nothing returns the visible
+// sky, except in trace_flat, which returns black.
 
 /// The metres that count as near in an image of ambient occlusion: those of the settings, else a twentieth
 /// of the diagonal of visible_bounds(), infinite without points. 0 in other modes.

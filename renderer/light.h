@@ -12,8 +12,8 @@
 
 namespace alidade::renderer {
 
-/// The sun prepared for tracing. Its radiance is even over the disc, so a surface that faces it gets pi
-/// sin^2(half the angle) times that: exactly the irradiance that the scene gives.
+/// The sun prepared for tracing. Its radiance is uniform over the disc, so a surface that faces it receives
+/// pi sin^2(half the angle) times that: exactly the irradiance that the scene states.
 class SunDisc {
  public:
   explicit SunDisc(const geo::Sun& sun) : irradiance_(sun.irradiance) {
@@ -62,7 +62,7 @@ class SunDisc {
 };
 
 // Where light comes from, prepared for sampling. The rules that count everything once:
-// - even sky (constant, gradient): found by rays that meet nothing;
+// - smooth sky (constant, gradient): found by rays that meet nothing;
 // - sun, sky from an image and emissive spheres (lamps): sampled directly at every surface that is not
 //   specular, and found by rays. The two are weighted by multiple importance sampling (Veach and Guibas
 //   1995): power heuristic for sun and sky, balance heuristic for lamps;
@@ -70,11 +70,11 @@ class SunDisc {
 // Light that mirrors and glass bundle onto other surfaces (caustics) is met so rarely that it would come as
 // speckles. So sun and lamps found by way of mirrors and glass after scattering count only with the square of
 // the chance (at most 1) that the scattering direction had of meeting the light straight: its visible_share
-// times the density there over that of an even hemisphere. That leaves out the caustics of all small lights
-// on diffuse surfaces, and keeps lights all around and those seen in sharp metal. Of a sky from an image the
-// bright spots are such small lights: a direction that is sampled k_spot_density times as densely as an even
-// hemisphere, or less, counts in full, so broad skies lose nothing; beyond it the share falls with the
-// density.
+// times the density there over that of a uniform hemisphere. That leaves out the caustics of all small lights
+// on diffuse surfaces, and keeps lights all around and those seen in sharp metal. The bright spots of a sky
+// from an image are such small lights, too: a direction that is sampled at most k_spot_density times as
+// densely as a uniform hemisphere counts in full, so broad skies lose nothing; beyond it the share falls with
+// the density.
 
 /// A direction towards an emissive sphere.
 struct LightSample {
@@ -84,8 +84,8 @@ struct LightSample {
   double pdf = 0.0;  ///< per solid angle, choice of the sphere included
 };
 
-/// How much more densely than an even hemisphere a part of the sky may be sampled without being taken for a
-/// small light: a speckle it may leave is no brighter than that times its surroundings.
+/// How much more densely than a uniform hemisphere a part of the sky may be sampled before it counts as a
+/// small light: a speckle that it leaves is at most that much brighter than its surroundings.
 inline constexpr double k_spot_density = 8.0;
 
 class Lights {

@@ -6,11 +6,11 @@
 
 #include "renderer/sampling.h"
 
-// Lambert's law: the same radiance in all directions, f = albedo / pi. Contract of the functions: material.h.
-
 namespace alidade::renderer {
 
-inline std::optional<MaterialSample> sample(const Lambertian& material, const Rgb& color,
+// Lambert's law: the same radiance in all directions, f = albedo / pi.
+
+static std::optional<MaterialSample> sample(const Lambertian& material, const Rgb& color,
                                             const glm::dvec3& wo, const glm::dvec2& u) {
   glm::dvec3 wi = sample_cosine_hemisphere(u);
   const double density = pdf_cosine_hemisphere(wi.z);
@@ -19,23 +19,21 @@ inline std::optional<MaterialSample> sample(const Lambertian& material, const Rg
   return MaterialSample{wi, material.albedo.value_or(color), density, false};
 }
 
-inline double pdf(const Lambertian&, const glm::dvec3& wo, const glm::dvec3& wi) {
+static double pdf(const Lambertian&, const glm::dvec3& wo, const glm::dvec3& wi) {
   return wo.z * wi.z > 0.0 ? pdf_cosine_hemisphere(std::fabs(wi.z)) : 0.0;
 }
 
-inline Rgb eval(const Lambertian& material, const Rgb& color, const glm::dvec3& wo, const glm::dvec3& wi) {
+static Rgb eval(const Lambertian& material, const Rgb& color, const glm::dvec3& wo, const glm::dvec3& wi) {
   return material.albedo.value_or(color) * static_cast<float>(pdf(material, wo, wi));
 }
 
-// Metal as a field of tiny mirrors: GGX distribution of their slopes with alpha = roughness^2, Smith's
-// height-correlated shadowing, Schlick's Fresnel term with the albedo as reflectance at normal incidence. One
-// reflection only, so rough metal is a little dark, never too bright. Contract of the functions: material.h.
+// Metal as a surface of microfacets, tiny mirrors: GGX distribution of their slopes with alpha = roughness^2,
+// Smith's height-correlated shadowing, Schlick's Fresnel term with the albedo as reflectance at normal
+// incidence. Only one reflection is computed, so rough metal is a little too dark, never too bright.
 //
 // Sources: Walter et al., Microfacet Models for Refraction, EGSR 2007; Heitz, Understanding the
 // Masking-Shadowing Function, JCGT 2014; visible normals by spherical caps: Dupuy and Benyoub, HPG 2023;
 // Schlick 1994.
-
-double pdf(const Metal& material, const glm::dvec3& wo, const glm::dvec3& wi);
 
 namespace {
 
@@ -43,28 +41,28 @@ double alpha_of(const Metal& material) {
   return material.roughness * material.roughness;
 }
 
-/// Reflectance of a mirror of this colour seen under this cosine.
+/// Reflectance of a mirror at the cosine of an angle to its normal (Schlick).
 Rgb schlick(const Rgb& normal_reflectance, double cosine) {
   const auto away = static_cast<float>(1.0 - std::fmin(1.0, std::fabs(cosine)));
   const float away_sq = away * away;
   return normal_reflectance + (Rgb(1.0f) - normal_reflectance) * (away_sq * away_sq * away);
 }
 
-/// Density of mirror normals, per solid angle.
+/// Density of the normals of microfacets, per solid angle (GGX).
 double distribution(const glm::dvec3& half, double alpha) {
   const double x = half.x / alpha, y = half.y / alpha;
   const double sum = x * x + y * y + half.z * half.z;
   return 1.0 / (k_pi * alpha * alpha * sum * sum);
 }
 
-/// Smith's Lambda: shadowed over visible area of the mirrors, seen from this direction.
+/// Shadowed over visible area of the microfacets, seen from this direction (Smith's Lambda).
 double shadowed_share(const glm::dvec3& direction, double alpha) {
   const double tangent_sq =
       (direction.x * direction.x + direction.y * direction.y) / (direction.z * direction.z);
   return 0.5 * (std::sqrt(1.0 + alpha * alpha * tangent_sq) - 1.0);
 }
 
-/// A mirror normal, as often as it is seen from `wo` (z > 0).
+/// The normal of a random microfacet, in proportion to the area that is visible from `wo` (z > 0).
 glm::dvec3 visible_normal(const glm::dvec3& wo, double alpha, const glm::dvec2& u) {
   const glm::dvec3 stretched = glm::normalize(glm::dvec3(alpha * wo.x, alpha * wo.y, wo.z));
   const glm::dvec3 cap = sample_cone({1.0 - u.y, u.x}, 1.0 + stretched.z) + stretched;
@@ -84,50 +82,51 @@ Lobe lobe(const glm::dvec3& wo, const glm::dvec3& wi, const glm::dvec3& half, do
           density / (1.0 + shadowed_outgoing + shadowed_share(wi, alpha))};
 }
 
-glm::dvec3 above(const glm::dvec3& direction, bool mirrored) {
-  return mirrored ? glm::dvec3(direction.x, direction.y, -direction.z) : direction;
+/// To the side above the surface and back, if `below`.
+glm::dvec3 flipped(const glm::dvec3& direction, bool below) {
+  return below ? glm::dvec3(direction.x, direction.y, -direction.z) : direction;
 }
 
 }  // namespace
 
-/// Whether it is so smooth that it counts as a perfect mirror.
-bool is_mirror(const Metal& material) {
+/// Whether the metal is so smooth that it counts as a perfect mirror.
+static bool is_mirror(const Metal& material) {
   return alpha_of(material) < 1e-4;
 }
 
-std::optional<MaterialSample> sample(const Metal& material, const Rgb& color, const glm::dvec3& wo,
-                                     const glm::dvec2& u) {
+static std::optional<MaterialSample> sample(const Metal& material, const Rgb& color, const glm::dvec3& wo,
+                                            const glm::dvec2& u) {
   if (wo.z == 0.0) return std::nullopt;
   const Rgb reflectance = material.albedo.value_or(color);
   if (is_mirror(material)) {
     return MaterialSample{{-wo.x, -wo.y, wo.z}, schlick(reflectance, wo.z), 0.0, true};
   }
   const double alpha = alpha_of(material);
-  const bool mirrored = wo.z < 0.0;
-  const glm::dvec3 view = above(wo, mirrored);
+  const bool below = wo.z < 0.0;
+  const glm::dvec3 view = flipped(wo, below);
   const glm::dvec3 half = visible_normal(view, alpha, u);
   const double cosine = glm::dot(view, half);
   const glm::dvec3 wi = glm::normalize(2.0 * cosine * half - view);
   if (!(wi.z > 0.0)) return std::nullopt;
   const Lobe chosen = lobe(view, wi, half, alpha);
-  return MaterialSample{above(wi, mirrored),
+  return MaterialSample{flipped(wi, below),
                         schlick(reflectance, cosine) * static_cast<float>(chosen.value / chosen.pdf),
                         chosen.pdf, false};
 }
 
-Rgb eval(const Metal& material, const Rgb& color, const glm::dvec3& wo, const glm::dvec3& wi) {
+static Rgb eval(const Metal& material, const Rgb& color, const glm::dvec3& wo, const glm::dvec3& wi) {
   if (is_mirror(material) || !(wo.z * wi.z > 0.0)) return Rgb(0.0f);
-  const bool mirrored = wo.z < 0.0;
-  const glm::dvec3 view = above(wo, mirrored), light = above(wi, mirrored);
+  const bool below = wo.z < 0.0;
+  const glm::dvec3 view = flipped(wo, below), light = flipped(wi, below);
   const glm::dvec3 half = glm::normalize(view + light);
   return schlick(material.albedo.value_or(color), glm::dot(view, half)) *
          static_cast<float>(lobe(view, light, half, alpha_of(material)).value);
 }
 
-double pdf(const Metal& material, const glm::dvec3& wo, const glm::dvec3& wi) {
+static double pdf(const Metal& material, const glm::dvec3& wo, const glm::dvec3& wi) {
   if (is_mirror(material) || !(wo.z * wi.z > 0.0)) return 0.0;
-  const bool mirrored = wo.z < 0.0;
-  const glm::dvec3 view = above(wo, mirrored), light = above(wi, mirrored);
+  const bool below = wo.z < 0.0;
+  const glm::dvec3 view = flipped(wo, below), light = flipped(wi, below);
   return lobe(view, light, glm::normalize(view + light), alpha_of(material)).pdf;
 }
 
@@ -140,7 +139,9 @@ double fresnel_reflectance(double cosine, double index) {
   return 0.5 * (across * across + parallel * parallel);
 }
 
-std::optional<MaterialSample> sample(const Dielectric& material, const glm::dvec3& wo, double u_choice) {
+// Radiance is not rescaled by the square of the index inside, so light that enters and leaves is unchanged.
+static std::optional<MaterialSample> sample(const Dielectric& material, const glm::dvec3& wo,
+                                            double u_choice) {
   if (wo.z == 0.0) return std::nullopt;
   const double index = wo.z > 0.0 ? material.refractive_index : 1.0 / material.refractive_index;
   const double cosine = std::fabs(wo.z);

@@ -40,7 +40,7 @@ inline Basis basis_around(const glm::dvec3& normal) {
           normal};
 }
 
-/// Unit disc, even density 1/pi; neighbours in the square stay neighbours. Source: Shirley and Chiu 1997.
+/// Unit disc, uniform density 1/pi; neighbours in the square stay neighbours. Source: Shirley and Chiu 1997.
 inline glm::dvec2 sample_disc(const glm::dvec2& u) {
   const double x = 2.0 * u.x - 1.0, y = 2.0 * u.y - 1.0;
   if (x == 0.0 && y == 0.0) return {0.0, 0.0};
@@ -60,8 +60,9 @@ inline double pdf_cosine_hemisphere(double cosine) {
   return std::fmax(0.0, cosine) / k_pi;
 }
 
-/// Directions around +z whose cosine is at least 1 - `height`, even density. `height` in (0, 2]; 2 is the
-/// whole sphere. Given as height of the cap, since 1 - cosine of a small angle would have lost its digits.
+/// Directions around +z whose cosine is at least 1 - `height`, uniform density. `height`, that of the
+/// spherical cap, in (0, 2]; 2 is the whole sphere. Not the cosine, because 1 - cosine of a small angle loses
+/// its digits.
 inline glm::dvec3 sample_cone(const glm::dvec2& u, double height) {
   const double depth = u.x * height;
   const double sine = std::sqrt(std::fmax(0.0, depth * (2.0 - depth)));

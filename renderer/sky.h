@@ -41,7 +41,7 @@ class SkyImage {
   /// Whether all of it is black, so that there is nothing to sample.
   bool is_black() const { return !(total_ > 0.0); }
 
-  /// A direction towards the sky, from two even numbers in [0, 1). Requires that it is not black.
+  /// A direction towards the sky, by two uniform random numbers in [0, 1). Requires that it is not black.
   SkySample sample(const glm::dvec2& u) const;
 
   /// Density per solid angle with which `sample` chooses this unit direction; 0 for a black sky.
