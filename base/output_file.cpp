@@ -240,4 +240,10 @@ void OutputFile::commit() {
   ::close(std::exchange(descriptor_, -1));
 }
 
+void write_text_file(const std::filesystem::path& path, std::string_view text, bool overwrite) {
+  OutputFile file(path, overwrite);
+  file.write(std::as_bytes(std::span(text)));
+  file.commit();
+}
+
 }  // namespace alidade

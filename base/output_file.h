@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace alidade {
@@ -45,6 +46,9 @@ class OutputFile {
   std::uint64_t size_ = 0;
   bool committed_ = false;
 };
+
+/// Writes a text as an OutputFile. Errors: those of OutputFile.
+void write_text_file(const std::filesystem::path& path, std::string_view text, bool overwrite);
 
 /// The name of this process's temporary file for an output, in its folder: ".yard.part-4711-0.las". It is
 /// short enough for file systems even if the output's own name has 255 bytes, with room for 8 more.

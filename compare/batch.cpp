@@ -124,7 +124,7 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
   std::vector<std::uint32_t>().swap(outcome.comparison->test.ids);
   if (outcome.comparison->changes) std::vector<std::uint32_t>().swap(outcome.comparison->changes->labels);
   if (page.empty()) return;
-  write_page(page, report, options.overwrite);
+  write_text_file(report, page, options.overwrite);
   outcome.report = report;
 }
 

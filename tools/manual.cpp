@@ -24,11 +24,7 @@ ExitCode run(const ManualCommand& command) {
     if (error) throw system_error(folder.string(), "cannot make the folder", error.value());
     check_output(command.folder / name, command.overwrite);
   }
-  for (const auto& [name, text] : files) {
-    OutputFile file(command.folder / name, command.overwrite);
-    file.write(std::as_bytes(std::span(text)));
-    file.commit();
-  }
+  for (const auto& [name, text] : files) write_text_file(command.folder / name, text, command.overwrite);
   say_note(command.verbosity, fmt::format("wrote {} files to {}", files.size(), command.folder.string()));
   return ExitCode::done;
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 
-#include "base/output_file.h"
 #include "base/shown_text.h"
 #include "compare/report/comparison_json.h"
 
@@ -51,12 +50,6 @@ std::string script_json(std::string_view json) {
     }
   }
   return shown;
-}
-
-void write_page(const std::string& page, const std::filesystem::path& file, bool overwrite) {
-  OutputFile output(file, overwrite);
-  output.write(std::as_bytes(std::span(page)));
-  output.commit();
 }
 
 namespace {

@@ -27,9 +27,6 @@ std::string html_text(std::string_view text);
 /// json_text() escaped by their number are shown as these escapes.
 std::string script_json(std::string_view json);
 
-/// Writes a page, completely or not at all. Errors: those of OutputFile.
-void write_page(const std::string& page, const std::filesystem::path& file, bool overwrite);
-
 /// The batch as one page, worst first, with small images, and with links to the reports of pairs, which are
 /// addressed from the folder of `page`. `reference` and `test` are the names of the two sides for people.
 std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::string& reference,

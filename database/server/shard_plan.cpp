@@ -159,12 +159,6 @@ std::string plan_readme(const std::string& table, std::span<const Shard> shards,
   return text;
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  OutputFile file(path, false);
-  file.write(std::as_bytes(std::span(text)));
-  file.commit();
-}
-
 /// Writes the next `count` rows, those of one shard, and returns their box.
 Bounds write_rows(const std::filesystem::path& path, OrderedCloud& cloud, const CopyRows& rows,
                   std::uint64_t count, const std::function<void(std::size_t)>& report_progress) {
@@ -195,13 +189,15 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
     const std::string name = shard_name(i);
     const std::uint64_t count = size / shards.size() + (i < size % shards.size() ? 1 : 0);
     boxes.push_back(write_rows(folder / (name + ".copy"), cloud, rows, count, report_progress));
-    write_text(folder / (name + ".sql"), shard_script(options.table, rows.columns(), i, boxes.back()));
+    write_text_file(folder / (name + ".sql"), shard_script(options.table, rows.columns(), i, boxes.back()),
+                    false);
   }
   Bounds whole_box;
   for (const Bounds& box : boxes) whole_box.grow(box);
-  write_text(folder / "coordinator.sql", coordinator_script(options.table, rows.columns(), shards, boxes,
-                                                            cloud_row(cloud.whole, whole_box)));
-  write_text(folder / "README.txt", plan_readme(options.table, shards, boxes));
+  const std::string coordinator =
+      coordinator_script(options.table, rows.columns(), shards, boxes, cloud_row(cloud.whole, whole_box));
+  write_text_file(folder / "coordinator.sql", coordinator, false);
+  write_text_file(folder / "README.txt", plan_readme(options.table, shards, boxes), false);
 }
 
 }  // namespace

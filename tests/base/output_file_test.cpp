@@ -41,6 +41,17 @@ TEST(OutputFileTest, appears_whole_at_commit_and_leaves_nothing_else) {
   EXPECT_EQ(files_in(folder), 1u);
 }
 
+TEST(OutputFileTest, write_text_file_writes_a_text_as_an_output_file) {
+  const std::filesystem::path folder = test::test_folder(), path = folder / "out.txt";
+  write_text_file(path, "earlier", false);
+  EXPECT_NE(error_of([&] { write_text_file(path, "later", false); }).find("the file exists"),
+            std::string::npos);
+  EXPECT_EQ(content(path), "earlier");
+  write_text_file(path, "later", true);
+  EXPECT_EQ(content(path), "later");
+  EXPECT_EQ(files_in(folder), 1u);
+}
+
 TEST(OutputFileTest, without_commit_nothing_is_left_and_an_earlier_file_stays) {
   const std::filesystem::path folder = test::test_folder(), path = folder / "out.txt";
   test::write_text(path, "earlier");

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/output_file.h"
 #include "compare/batch.h"
 #include "compare/report/report_page.h"
 #include "tests/compare/chromium.h"
@@ -55,7 +56,7 @@ class ReportTest : public ImageFilesTest {
     const Comparison comparison =
         compare_files(folder / "wave.png", folder / "<img src=x onerror=hacked()>'\".png", options);
     const Verdict verdict = judge(comparison, parse_thresholds("flip=0.001,psnr<5"));
-    write_page(report_page(comparison, verdict, ImagePacking::automatic), folder / "report.html", false);
+    write_text_file(folder / "report.html", report_page(comparison, verdict, ImagePacking::automatic), false);
     return folder / "report.html";
   }
 };
@@ -169,9 +170,10 @@ TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_reported
   options.crop = image::PixelBox{0, 0, 120, 60};
   options.keep_images = true;
   const Comparison comparison = compare_files(folder / "wave.png", folder / "wave.png", options);
-  write_page(report_page(comparison, judge(comparison, parse_thresholds("flip=0.5")), ImagePacking::jpeg,
-                         judge(comparison, parse_thresholds("flip>-1"))),
-             folder / "report.html", false);
+  write_text_file(folder / "report.html",
+                  report_page(comparison, judge(comparison, parse_thresholds("flip=0.5")), ImagePacking::jpeg,
+                              judge(comparison, parse_thresholds("flip>-1"))),
+                  false);
   Chromium page(folder, 390, 844);
   page.open(folder / "report.html");
   EXPECT_EQ(text_of(page, "verdict"),
@@ -196,7 +198,7 @@ TEST_F(ReportTest, images_with_layers_only_have_a_page_too) {
   ComparisonOptions options;
   options.keep_images = true;
   const Comparison comparison = compare_files(folder / "a.exr", folder / "b.exr", options);
-  write_page(report_page(comparison, {}, ImagePacking::automatic), folder / "report.html", false);
+  write_text_file(folder / "report.html", report_page(comparison, {}, ImagePacking::automatic), false);
   Chromium page(folder, 1280, 900);
   page.open(folder / "report.html");
   EXPECT_NE(text_of(page, "verdict").find("Measured"), std::string::npos);
@@ -214,7 +216,7 @@ TEST_F(ReportTest, the_map_of_agreement_has_a_legend_of_categories) {
   ComparisonOptions options;
   options.keep_images = true;
   const Comparison comparison = compare_files(folder / "a.exr", folder / "b.exr", options);
-  write_page(report_page(comparison, {}, ImagePacking::automatic), folder / "report.html", false);
+  write_text_file(folder / "report.html", report_page(comparison, {}, ImagePacking::automatic), false);
   Chromium page(folder, 1280, 900);
   page.open(folder / "report.html");
   EXPECT_NE(text_of(page, "metrics").find("Not scanned"), std::string::npos) << text_of(page, "metrics");
@@ -291,7 +293,7 @@ TEST_F(ReportTest, a_summary_without_thresholds_passes_nobody) {
   options.keep_thumbnails = true;
   const std::vector<PairOutcome> outcomes =
       compare_pairs({{"itself", folder / "wave.png", folder / "wave.png"}}, options);
-  write_page(summary_page(outcomes, "a", "b", folder / "summary.html"), folder / "summary.html", false);
+  write_text_file(folder / "summary.html", summary_page(outcomes, "a", "b", folder / "summary.html"), false);
   Chromium page(folder, 1280, 900);
   page.open(folder / "summary.html");
   EXPECT_EQ(text_of(page, "verdict"), "Measured1 pair compared. No thresholds were given.");
@@ -314,8 +316,8 @@ TEST_F(ReportTest, a_summary_lists_pairs_worst_first_and_filters_them) {
   options.reports = folder / "pages";
   const std::vector<PairOutcome> outcomes =
       compare_pairs(pairs_of_folders(folder / "a", folder / "b"), options);
-  write_page(summary_page(outcomes, "a", "<b>b</b>", folder / "summary.html"), folder / "summary.html",
-             false);
+  write_text_file(folder / "summary.html", summary_page(outcomes, "a", "<b>b</b>", folder / "summary.html"),
+                  false);
 
   Chromium page(folder, 390, 844);
   page.open(folder / "summary.html");

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "compare/report/page.h"
+#include "base/output_file.h"
 #include "compare/report/report_page.h"
 #include "tests/tools/run_program.h"
 
@@ -56,7 +56,7 @@ class GoldenTest : public ProgramTest {
     const Verdict verdict = judge(comparison, parse_thresholds(thresholds));
     if (verdict.pass()) return;
     const fs::path report = std::filesystem::temp_directory_path() / ("golden_" + image + ".html");
-    write_page(report_page(comparison, verdict, ImagePacking::png), report, true);
+    write_text_file(report, report_page(comparison, verdict, ImagePacking::png), true);
     std::string failures;
     for (const JudgedThreshold& judged : verdict.judged)
       if (judged.fails) failures += to_text(judged.threshold) + ": " + std::to_string(judged.value) + "\n";

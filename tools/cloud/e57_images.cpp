@@ -186,12 +186,6 @@ void write_blob(const std::filesystem::path& path, E57File& file, const E57Blob&
   output.commit();
 }
 
-void write_text(const std::filesystem::path& path, const std::string& text, bool overwrite) {
-  OutputFile output(path, overwrite);
-  output.write(std::as_bytes(std::span(text)));
-  output.commit();
-}
-
 }  // namespace
 
 Json e57_json(const E57File& file) {
@@ -264,9 +258,10 @@ std::size_t extract_images(std::span<const std::filesystem::path> files, const s
     E57File& source = sources[extraction.file];
     write_blob(folder / extraction.picture_name, source, extraction.blob, overwrite);
     if (extraction.mask) write_blob(folder / extraction.mask_name, source, *extraction.mask, overwrite);
-    if (!extraction.camera.empty()) write_text(folder / extraction.camera_name, extraction.camera, overwrite);
+    if (!extraction.camera.empty())
+      write_text_file(folder / extraction.camera_name, extraction.camera, overwrite);
   }
-  write_text(folder / "images.json", plan.table(), overwrite);
+  write_text_file(folder / "images.json", plan.table(), overwrite);
   return plan.extractions().size();
 }
 

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "base/error.h"
+#include "base/output_file.h"
 #include "base/shown_text.h"
 #include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
@@ -193,7 +194,7 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
   }
   // Maps first: they need a font, which may be missing.
   for (const MapOutput& map : maps) image_module().write_difference(*map.map, map.file, request.overwrite);
-  if (!request.report.empty()) compare::write_page(page, request.report, request.overwrite);
+  if (!request.report.empty()) write_text_file(request.report, page, request.overwrite);
   for (const PointsOutput& output : points) {
     write_las(output.file, output.points, {.overwrite = request.overwrite});
     say_note(request.verbosity,
@@ -238,10 +239,10 @@ ExitCode compare_many(const CompareRequest& request) {
       [&](const Progress& progress) { return image_module().compare_pairs(pairs, options, progress); });
   if (!request.report.empty()) {
     const bool is_table = !request.pairs.empty();
-    compare::write_page(
+    const std::string page =
         compare::summary_page(outcomes, is_table ? request.pairs.string() : request.reference.string(),
-                              is_table ? request.pairs.string() : request.test.string(), request.report),
-        request.report, request.overwrite);
+                              is_table ? request.pairs.string() : request.test.string(), request.report);
+    write_text_file(request.report, page, request.overwrite);
   }
   write_to_stdout(request.json ? compare::batch_json(outcomes) : batch_text(outcomes));
   if (request.verbosity != Verbosity::quiet)

@@ -158,11 +158,8 @@ void write_depth_transforms(const DepthTransforms& transforms, std::span<const V
     depth_of[views[i].name] = (folder_of(files[i]) / files[i].filename()).lexically_relative(folder);
   Json top = parse_transforms(transforms.text);
   for (Json& frame : top["frames"]) frame["depth_file_path"] = depth_of.at(photo_of(frame)).generic_string();
-  OutputFile output(transforms.output, overwrite);
   constexpr int k_indent = 2;
-  const std::string text = json_text(top, k_indent) + "\n";
-  output.write(std::as_bytes(std::span(text)));
-  output.commit();
+  write_text_file(transforms.output, json_text(top, k_indent) + "\n", overwrite);
 }
 
 }  // namespace

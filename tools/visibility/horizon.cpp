@@ -116,9 +116,7 @@ void write_line(const HorizonCommand& command, const VisibilityCloud& cloud, con
     text = visibility::horizon_csv(view.line);
   }
   if (command.output.empty()) return write_to_stdout(text);
-  OutputFile file(command.output, command.overwrite);
-  file.write(std::as_bytes(std::span(text)));
-  file.commit();
+  write_text_file(command.output, text, command.overwrite);
 }
 
 std::string sky_text(const visibility::SkyShares& sky) {
