@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <numbers>
 #include <set>
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "cloud/cloud_inputs.h"
 
 namespace alidade::camera {
 namespace {
@@ -69,11 +69,10 @@ std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture
 }
 
 bool is_e57(const std::filesystem::path& file) {
-  constexpr std::string_view k_begin = "ASTM-E57";
+  constexpr std::size_t k_start_bytes = 4096;
   try {
     InputFile input(file);
-    const std::span<const std::byte> start = input.view_up_to(0, k_begin.size());
-    return start.size() == k_begin.size() && std::memcmp(start.data(), k_begin.data(), start.size()) == 0;
+    return k_e57_format.is_begun_by(input.view_up_to(0, k_start_bytes));
   } catch (const Error&) {
     return false;
   }
