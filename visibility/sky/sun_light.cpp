@@ -17,7 +17,7 @@
 namespace alidade::visibility {
 namespace {
 
-/// Wh/m2/sr of every patch, by period.
+/// Radiances of the patches summed over time, Wh/m2/sr, by period.
 using SkyEnergies = std::vector<std::array<double, k_sky_patches>>;
 
 SkyEnergies sky_energies(std::span<const SunStep> steps, int periods) {
@@ -41,7 +41,8 @@ LightSums& share_of(std::vector<LightBin::Share>& shares, int period) {
   return shares.insert(found, {period, {}})->sums;
 }
 
-/// Calls take(period, energy) for the light of a part of a patch with this integral of direction.
+/// Calls take(period, sums) with the diffuse light of a part of a patch, which has this integral of direction
+/// over solid angle.
 template <class Take>
 void for_energies(const SkyEnergies& energies, const glm::dvec3& integral, int patch, const Take& take) {
   for (std::size_t period = 0; period < energies.size(); ++period) {
@@ -52,27 +53,27 @@ void for_energies(const SkyEnergies& energies, const glm::dvec3& integral, int p
 
 std::vector<LightBin> sun_bins(std::span<const SunStep> steps, double degrees) {
   std::vector<LightBin> bins;
-  std::vector<glm::dvec3> middles;
-  std::map<std::pair<int, int>, std::size_t> known;
+  std::vector<glm::dvec3> weighted_sums;              // of directions
+  std::map<std::pair<int, int>, std::size_t> bin_at;  // by row and column
   for (const SunStep& step : steps) {
     const glm::dvec3 direction = geo::compass_direction(step.azimuth, step.elevation);
     std::size_t bin = bins.size();
     if (degrees > 0.0) {
       const double row = std::floor(step.elevation / degrees);
-      // So many columns that the bins in the middle of the row are as wide as high.
-      const double breadth = sine_cosine_of_degrees(std::fmin((row + 0.5) * degrees, 90.0)).cosine;
-      const double columns = std::fmax(1.0, std::floor(360.0 * breadth / degrees + 0.5));
+      // As many columns as make the bins of the row as wide as high, at its middle.
+      const double cosine = sine_cosine_of_degrees(std::fmin((row + 0.5) * degrees, 90.0)).cosine;
+      const double columns = std::fmax(1.0, std::floor(360.0 * cosine / degrees + 0.5));
       const double column = std::floor(step.azimuth / 360.0 * columns);
-      bin = known.try_emplace({static_cast<int>(row), static_cast<int>(column)}, bin).first->second;
+      bin = bin_at.try_emplace({static_cast<int>(row), static_cast<int>(column)}, bin).first->second;
     }
     if (bin == bins.size()) {
       bins.emplace_back();
-      middles.emplace_back(0.0);
+      weighted_sums.emplace_back(0.0);
     }
-    middles[bin] += step.hours * direction;
+    weighted_sums[bin] += step.hours * direction;
     share_of(bins[bin].shares, step.period) += sums_of(step, direction);
   }
-  for (std::size_t i = 0; i < bins.size(); ++i) bins[i].direction = glm::normalize(middles[i]);
+  for (std::size_t i = 0; i < bins.size(); ++i) bins[i].direction = glm::normalize(weighted_sums[i]);
   return bins;
 }
 
@@ -88,21 +89,22 @@ void add_sky_bins(const SkyEnergies& energies, std::vector<LightBin>& bins) {
   }
 }
 
-/// Light at an elevation, not yet sorted.
+/// Light at an elevation.
 struct SlopedLight {
-  double slope;
+  double slope;  ///< tangent of the elevation
   LightSums sums;
 };
 
-/// By period, of every azimuth in degrees.
+/// By azimuth in degrees, then by period; not sorted by slope.
 using FanLights = std::map<double, std::map<int, std::vector<SlopedLight>>>;
 
+/// `elevation` in degrees.
 double slope_of(double elevation) {
   const SineCosine rise = sine_cosine_of_degrees(elevation);
   return rise.sine / rise.cosine;
 }
 
-/// Number of sectors of about so many degrees.
+/// Number of sectors of about this many degrees that divide a turn.
 int sectors_of(double degrees) {
   return static_cast<int>(std::fmax(1.0, std::floor(360.0 / degrees + 0.5)));
 }
@@ -119,20 +121,20 @@ void add_sun_fans(std::span<const SunStep> steps, double degrees, FanLights& fan
 
 void add_sky_fans(const SkyEnergies& energies, double degrees, FanLights& fans) {
   constexpr double k_widest = 2.0;
-  constexpr int k_degrees_up = 90;
+  constexpr int k_rows = 90;  // of a degree
   const int sectors = sectors_of(degrees > 0.0 ? std::fmin(degrees, k_widest) : k_widest);
   const auto for_cells = [&](const auto& visit) {
     for (int sector = 0; sector < sectors; ++sector) {
       const double azimuth = (sector + 0.5) * 360.0 / sectors;
-      for (int row = 0; row < k_degrees_up; ++row) {
+      for (int row = 0; row < k_rows; ++row) {
         visit(azimuth, row + 0.5,
               SkyCell{sector * 360.0 / sectors, (sector + 1) * 360.0 / sectors, static_cast<double>(row),
                       row + 1.0});
       }
     }
   };
-  // A cell belongs to the patch that its middle is in: the share that it takes from the next
-  // patch is returned to that.
+  // A cell takes the radiance of the patch that contains its middle, although it may reach into others. So
+  // the irradiance of the cells of a patch is scaled to that of the patch.
   std::array<double, k_sky_patches> shares{};
   for_cells([&](double azimuth, double elevation, const SkyCell& cell) {
     const int patch = sky_patch_at(azimuth, elevation);
@@ -172,7 +174,7 @@ std::vector<LightFan> sorted_fans(FanLights& lights) {
 
 glm::dvec3 line_into_patch(int patch) {
   const SkyCell cell = sky_patch(patch);
-  // Shares of the irradiance that the cell gives the horizontal.
+  // The line divides the horizontal irradiance of the patch, which grows with the square of the sine.
   const double low = sine_cosine_of_degrees(cell.elevation_min).sine,
                high = sine_cosine_of_degrees(cell.elevation_max).sine, share = golden_turns(patch);
   const double sine = std::sqrt(low * low + share * (high * high - low * low));

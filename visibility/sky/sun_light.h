@@ -8,15 +8,16 @@
 
 #include "visibility/sky/sun_path.h"
 
-// The light of a time range by direction, prepared for many receivers.
+// Direct and diffuse light of a time range, summed by direction once for all receivers.
 
 namespace alidade::visibility {
 
-/// Sums over time. The product of an energy and the normal of a receiver is what the receiver gets, Wh/m2;
-/// exact if it faces all of the light.
+/// Light summed over time, energies as vectors towards the light: the dot product of an energy and the unit
+/// normal of a receiver is the energy that the receiver gets, Wh/m2. Exact if the receiver faces all of the
+/// light.
 struct LightSums {
   double hours = 0.0;                  ///< of direct sun
-  glm::dvec3 beam{0.0}, diffuse{0.0};  ///< of the sun's disc, of the sky, Wh/m2
+  glm::dvec3 beam{0.0}, diffuse{0.0};  ///< energies of the sun's disc and of the sky, Wh/m2
 
   LightSums& operator+=(const LightSums& other) {
     hours += other.hours;
@@ -26,60 +27,61 @@ struct LightSums {
   }
 };
 
-/// Light from about one direction, which a single line of sight represents.
+/// Light from a narrow range of directions. One line of sight decides whether a receiver gets it.
 struct LightBin {
-  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< the middle of the steps' directions, weighed by their hours
+  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< unit mean of the directions of the sun, weighted by hours
   struct Share {
-    int period = 0;
+    int period = 0;  ///< SunStep::period
     LightSums sums;
   };
-  std::vector<Share> shares;  ///< periods in order
+  std::vector<Share> shares;  ///< in the order of periods
 };
 
-/// Light from about one azimuth, at all elevations; a horizon hides the part below it.
+/// Light from a narrow range of azimuths, at all elevations; a horizon hides the part below it.
 struct LightFan {
-  glm::dvec2 direction{0.0, 1.0};  ///< horizontal, of length 1
+  glm::dvec2 direction{0.0, 1.0};  ///< horizontal unit vector
   struct Share {
-    int period = 0;
-    std::vector<double> slopes;   ///< tangents of the elevations, falling
-    std::vector<LightSums> sums;  ///< of the first 0, 1, 2, ... of them
+    int period = 0;               ///< SunStep::period
+    std::vector<double> slopes;   ///< tangents of the elevations of the light, descending
+    std::vector<LightSums> sums;  ///< sums[i]: of the first i slopes; one element more than slopes
   };
-  std::vector<Share> shares;
+  std::vector<Share> shares;  ///< in the order of periods
 };
 
 struct LightOptions {
-  /// Degrees by which directions are grouped; 0: each step of the sun is a bin of its own.
-  double bin = 0.0;
-  bool has_sky = true;       ///< whether the sky gives light, or the sun's disc alone
-  bool by_horizons = false;  ///< fans instead of bins
+  double bin = 0.0;          ///< width of bins and fans, degrees, [0, 30]; 0: one for each step of the sun
+  bool has_sky = true;       ///< whether to add the diffuse light of the sky to that of the sun's disc
+  bool by_horizons = false;  ///< fans, for receivers with horizons, instead of bins
 };
 
-/// The light of a time range.
+/// The light of a time range, in bins or in fans.
 struct SunLight {
-  int periods = 1;
-  std::vector<LightBin> bins;  ///< of one kind
-  std::vector<LightFan> fans;  ///< or of the other
-  std::vector<LightSums>
-      open;  ///< of each period, without obstructions: the z of energies is what open level ground gets
+  int periods = 1;             ///< number of them
+  std::vector<LightBin> bins;  ///< empty with LightOptions::by_horizons
+  std::vector<LightFan> fans;  ///< empty without
+  /// Without obstructions, by period: the z of an energy is what open level ground gets.
+  std::vector<LightSums> open;
 };
 
-/// Direction of the line of sight that represents a patch of the sky (sky_patches.h): its elevations differ
-/// along a row, so that a level edge shades as much of the row as it covers. Requires
+/// Direction of the line of sight that represents a patch of the sky (sky_patches.h). The elevations differ
+/// along a row of patches, so that a level edge hides the same share of the lines as of the row. Requires
 /// 0 <= patch < k_sky_patches.
 glm::dvec3 line_into_patch(int patch);
 
-/// Sorts steps of the sun, and the sky above them, by direction.
+/// Groups the light of the sun's steps, and of the sky during them, by direction.
 ///
-/// Bins are as wide in elevation and, at the horizon, azimuth as `options.bin` (wider further up, so that all
-/// are about as large). Light and shade of a bin are those of its middle: a shadow is wrong by at most half a
-/// bin in some of its steps, late in as many as early. The steps of a year, 10 minutes apart, fill some 1000
-/// bins of 3 degrees. Fans are as wide in azimuth; their elevations are exact.
+/// Bins span `options.bin` degrees of elevation and, at the horizon, of azimuth; further up they span more
+/// azimuth, so that all have about the same size. The middle of a bin decides whether its light is hidden:
+/// shadows begin and end up to half a bin too early or too late, equally often. The steps of a year, 10
+/// minutes apart, fill some 1000 bins of 3 degrees. Fans span `options.bin` degrees of azimuth; their
+/// elevations are exact.
 ///
-/// The sky is the cumulative sky of sky_patches.h: the radiances of each patch are summed over the steps.
-/// Bins of the sky are the 145 directions of line_into_patch(); fans have cells of a degree of elevation,
-/// `options.bin` wide, at most 2 degrees. Patches, lines and cells preserve the integral of direction over
-/// solid angle: open level ground gets exactly the diffuse energy of the steps. Requires: periods of steps in
-/// [0, periods). Errors: options.bin not in [0, 30].
+/// The sky is the cumulative sky of sky_patches.h: the radiances of each patch are summed over the steps. The
+/// light of each of the 145 patches is a bin in the direction of line_into_patch(). For fans, the sky
+/// consists of cells: 1 degree of elevation by `options.bin` degrees of azimuth, at most 2 (2 if it is 0).
+/// Patches, lines and cells preserve the integral of direction over solid angle: open level ground gets
+/// exactly the diffuse energy of the steps. Requires SunStep::period in [0, periods). Errors: options.bin not
+/// in [0, 30].
 SunLight sun_light(std::span<const SunStep> steps, int periods, const LightOptions& options);
 
 }  // namespace alidade::visibility
