@@ -119,8 +119,8 @@ std::string quantity(double count, const std::string& unit) {
   const std::string text = short_count(count);
   // "2.3 MB", but "2.3 M points".
   if (unit == "B") return text.find(' ') == std::string::npos ? text + " B" : text + unit;
-  const bool is_one = text == "1" && unit.ends_with('s');
-  return text + " " + (is_one ? unit.substr(0, unit.size() - 1) : unit);
+  if (text != "1" || !unit.ends_with('s')) return text + " " + unit;
+  return text + " " + unit.substr(0, unit.size() - (unit.ends_with("xes") ? 2 : 1));
 }
 
 std::string clock_time(double seconds) {

@@ -11,6 +11,7 @@ using tools::quantity;
 
 TEST(QuantityTest, is_written_as_people_write_it) {
   EXPECT_EQ(quantity(1, "rays"), "1 ray");
+  EXPECT_EQ(quantity(1, "boxes"), "1 box");
   EXPECT_EQ(quantity(2, "rays"), "2 rays");
   EXPECT_EQ(quantity(640'000, "points"), "640 k points");
   EXPECT_EQ(quantity(1'250'000, "points"), "1.25 M points");
