@@ -16,8 +16,8 @@ namespace {
 struct PageImage {
   std::string id, title;
   const image::ByteImage* image = nullptr;
-  const DifferenceMap* map = nullptr;  ///< that it shows
-  std::string address{};
+  const DifferenceMap* map = nullptr;  ///< the map that the image shows; null for compared images
+  std::string data_url{};
 };
 
 std::string name_of(const ComparedImageFacts& facts) {
@@ -45,7 +45,7 @@ std::string css_color(const image::Rgb8& color) {
   return fmt::format("rgb({},{},{})", color[0], color[1], color[2]);
 }
 
-/// Colours of a map from its lowest value to its highest, as CSS colours.
+/// The colours of a map from its lowest value to its highest, for CSS.
 Json colors_of(const DifferenceMap& map) {
   constexpr int k_steps = 33;
   DifferenceMap ramp;
@@ -84,20 +84,21 @@ Json map_json(const PageImage& image, const DifferenceMap& map) {
   return json;
 }
 
+/// `images` are the reference, the test, the test with matched colours if there is one, and maps.
 Json views_json(const std::vector<PageImage>& images) {
   const PageImage& reference = images.front();
-  // The matched test is behind the test as it is.
-  const bool is_matched = images.size() > 2 && images[2].id == "matched";
-  const PageImage& test = images[is_matched ? 2 : 1];
-  const auto two = [&](const char* kind, const char* title, const char* note) {
+  const bool has_matched = images.size() > 2 && images[2].id == "matched";
+  const PageImage& test = images[has_matched ? 2 : 1];
+  const auto view_of_both = [&](const char* kind, const char* title, const char* note) {
     return Json{{"id", kind},          {"kind", kind},
                 {"title", title},      {"under", reference.id},
                 {"over", test.id},     {"left", reference.title},
                 {"right", test.title}, {"note", note}};
   };
-  Json views = {two("swipe", "Swipe", "The reference left of the divider, the test right of it."),
-                two("blink", "Blink",
-                    "Reference and test in turn at the same position: what moves or flickers differs.")};
+  Json views = {
+      view_of_both("swipe", "Swipe", "The reference left of the divider, the test right of it."),
+      view_of_both("blink", "Blink",
+                   "Reference and test in turn at the same position: what moves or flickers differs.")};
   for (const PageImage& image : images) {
     views.push_back(image.map != nullptr ? map_json(image, *image.map)
                                          : Json{{"id", image.id},
@@ -127,15 +128,15 @@ std::string regions_note(const Comparison& comparison) {
 }
 
 Json histogram_json(const HistogramChart& chart) {
-  const auto one = [](const Histogram& histogram) {
+  const auto bins_of = [](const Histogram& histogram) {
     return Json{{"name", histogram.name}, {"bins", histogram.bins}};
   };
   Json json{{"title", chart.title},
             {"unit", chart.unit},
             {"low", chart.low},
             {"high", chart.high},
-            {"first", one(chart.first)}};
-  if (chart.second) json["second"] = one(*chart.second);
+            {"first", bins_of(chart.first)}};
+  if (chart.second) json["second"] = bins_of(*chart.second);
   return json;
 }
 
@@ -179,22 +180,23 @@ Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdi
 
 std::string report_page(const Comparison& comparison, const Verdict& verdict, image::ImagePacking packing,
                         const Verdict& warnings) {
-  const ComparisonImages& shown = *comparison.images;
+  const ComparisonImages& compared = *comparison.images;
   std::vector<image::ByteImage> painted;
-  const std::vector<const DifferenceMap*> maps = shown.maps();
+  const std::vector<const DifferenceMap*> maps = compared.maps();
   for (const DifferenceMap* map : maps)
     painted.push_back({map->width, map->height, paint_difference(*map).bytes()});
-  std::vector<PageImage> images{{"reference", "Reference", &shown.reference}, {"test", "Test", &shown.test}};
-  if (shown.matched) images.push_back({"matched", "Test, colours matched", &*shown.matched});
+  std::vector<PageImage> images{{"reference", "Reference", &compared.reference},
+                                {"test", "Test", &compared.test}};
+  if (compared.matched) images.push_back({"matched", "Test, colours matched", &*compared.matched});
   for (std::size_t i = 0; i < painted.size(); ++i)
     images.push_back({fmt::format("map-{}", i + 1), maps[i]->title, &painted[i], maps[i]});
   in_parallel(images.size(), 1,
-              [&](std::size_t i) { images[i].address = image::data_url(*images[i].image, packing); });
+              [&](std::size_t i) { images[i].data_url = image::data_url(*images[i].image, packing); });
 
   std::string elements;
   for (const PageImage& image : images)
     elements += fmt::format("<img id=\"picture-{}\" alt=\"{}\" src=\"{}\">\n", image.id,
-                            html_text(image.title), image.address);
+                            html_text(image.title), image.data_url);
   const std::string title = html_text(name_of(comparison.test) + " against " + name_of(comparison.reference));
   const std::string data = script_json(json_text(page_json(comparison, verdict, warnings, images), -1));
   const std::string script = std::string(k_page_js) + std::string(k_tables_js) + std::string(k_viewer_js);
