@@ -21,7 +21,7 @@ enum class ImagePacking {
   jpeg        ///< quality 92, colours at full resolution: about a fifth of the size
 };
 
-/// The packing meant for images of so many pixels.
+/// `wanted`, with `automatic` replaced by png or jpeg for an image of this many pixels.
 ImagePacking packing_for(ImagePacking wanted, std::size_t pixels);
 
 /// "data:image/png;base64,...": the image as an address that holds all of it. Cost: up to a second for 8

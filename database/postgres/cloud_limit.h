@@ -12,8 +12,8 @@ namespace alidade::database {
 
 enum class DistanceKind : std::int64_t { ray = 1, plane = 2 };
 
-/// The line of dist_ray, or the plane of dist_plane with its normal: the values of the SQL types cloud_ray
-/// and cloud_plane, byte for byte. The given numbers are kept beside the unit vector, so that the text of a
+/// The ray of dist_ray, or the plane of dist_plane with its normal: the values of the SQL types cloud_ray and
+/// cloud_plane, byte for byte. The given numbers are stored beside the unit vector, so that the text of a
 /// value is read as the same value.
 struct CloudLine {
   glm::dvec3 position, direction;
@@ -27,8 +27,8 @@ inline CloudLine make_line(DistanceKind kind, const glm::dvec3& position, const 
   return {position, direction, unit};
 }
 
-/// dist_ray or dist_plane of a point, or its interval over the points of a box. If that of any point is
-/// NaN, an end is NaN or high is infinite.
+/// dist_ray or dist_plane of a point, or its interval over the points of a box. If the distance of any of
+/// these is NaN, an end is NaN or high is infinite.
 template <class PointOrBox>
 auto distance(DistanceKind kind, const CloudLine& line, const PointOrBox& where) {
   if (kind == DistanceKind::ray)
@@ -42,20 +42,21 @@ enum class Comparison { less, less_equal, equal, greater_equal, greater };
 /// ordered as PostgreSQL orders them: NaN equals itself and is above all others.
 struct CloudLimit {
   CloudLine line;
-  double least, largest;  ///< inclusive; no distance keeps the limit if least is above largest
+  double least, largest;  ///< inclusive; no distance is within if least is above largest
   DistanceKind kind;
 };
 
 /// The limit that is equivalent to `distance comparison value`, to the last bit.
 CloudLimit make_limit(DistanceKind kind, const CloudLine& line, Comparison comparison, double value);
 
-/// Whether a point keeps a limit.
+/// Whether the distance of a point is within a limit.
 bool holds(const CloudLimit& limit, const glm::dvec3& point);
 
-/// False only if no point of the box keeps the limit. An unbounded box also holds points without a position.
+/// False only if no point of the box is within the limit. An unbounded box also has points without a
+/// position.
 bool may_hold(const CloudLimit& limit, const Bounds& box);
 
-/// False only if all points of the box keep the limit.
+/// False only if all points of the box are within the limit.
 bool may_break(const CloudLimit& limit, const Bounds& box);
 
 /// Whether all faces are finite.
@@ -99,10 +100,10 @@ inline int compare_morton(const glm::dvec3& a, const glm::dvec3& b) {
   return 0;
 }
 
-/// Estimates the share of all points that keep a limit, in [0, 1], from the distances of a sample, in
+/// Estimates the share of all points that are within a limit, in [0, 1], from the distances of a sample, in
 /// ascending order (NaN last): between the sample's distances the share grows linearly. Near a ray the sample
-/// is too thin to count: below the distance of its eighth point the share grows with the square of the
-/// distance, as the cross-section of the cylinder. Requires a sample.
+/// has too few points: below the distance of its eighth point the share grows with the square of the
+/// distance, as the cross-section of the cylinder does. Requires a sample that is not empty.
 double estimated_share(const CloudLimit& limit, std::span<const double> distances);
 
 }  // namespace alidade::database

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Support for the planner. It rewrites the paper's SQL into conditions and orders that indexes support:
+// Planner support. It rewrites the paper's SQL into conditions and orders that indexes support:
 //   dist_ray(A, x,y,z)       becomes  cloud_point(x,y,z) <-> cloud_ray(A)
 //   dist_ray(A, x,y,z) <= r  becomes  cloud_point(x,y,z) <@ cloud_limit(cloud_ray(A), '<=', r)
-// with the same result, to the last bit; an index on cloud_point(x,y,z) supports both. And it estimates the
-// number of rows that keep a limit: the histogram that ANALYZE keeps for such an index is a sample of the
-// table's points, about a hundred of them, evenly spaced in Morton order.
+// with the same result, to the last bit; an index on cloud_point(x,y,z) supports both. It also estimates how
+// many rows are within a limit: the histogram that ANALYZE stores for such an index is a sample of about a
+// hundred of the table's points, evenly spaced in Morton order.
 #include <algorithm>
 #include <string_view>
 
@@ -46,23 +46,23 @@ Oid operator_in(Oid schema, const char* name, Oid left, Oid right) {
                          ObjectIdGetDatum(right), ObjectIdGetDatum(schema));
 }
 
-/// The functions, types and operators of the extension, in its current schema. If they were renamed, or the
-/// user has no right to execute them, they are not found, and statements are not changed. The USAGE right on
-/// the schema is not checked: views and CHECK constraints that use its functions do not require it.
-class OwnParts {
+/// Finds functions and operators of the extension in its current schema. InvalidOid if they were renamed or
+/// the user has no right to execute them: statements are not changed then. The USAGE right on the schema is
+/// not checked: views and CHECK constraints that use its functions do not require it.
+class ExtensionObjects {
  public:
   /// `function`: one of the extension's, whose schema is searched.
-  explicit OwnParts(Oid function) : schema_(get_func_namespace(function)) {}
+  explicit ExtensionObjects(Oid function) : schema_(get_func_namespace(function)) {}
 
   template <class... Types>
-  Oid function(const char* name, Types... types) const {
-    const Oid given[] = {static_cast<Oid>(types)...};
-    const Oid found =
-        GetSysCacheOid3(PROCNAMEARGSNSP, Anum_pg_proc_oid, CStringGetDatum(name),
-                        PointerGetDatum(buildoidvector(given, sizeof...(types))), ObjectIdGetDatum(schema_));
+  Oid find_function(const char* name, Types... types) const {
+    const Oid parameters[] = {static_cast<Oid>(types)...};
+    const Oid found = GetSysCacheOid3(PROCNAMEARGSNSP, Anum_pg_proc_oid, CStringGetDatum(name),
+                                      PointerGetDatum(buildoidvector(parameters, sizeof...(types))),
+                                      ObjectIdGetDatum(schema_));
     return OidIsValid(found) && may_execute(found) ? found : InvalidOid;
   }
-  Oid symbol(const char* name, Oid left, Oid right) const {
+  Oid find_operator(const char* name, Oid left, Oid right) const {
     const Oid found = operator_in(schema_, name, left, right);
     return OidIsValid(found) && may_execute(get_opcode(found)) ? found : InvalidOid;
   }
@@ -76,29 +76,30 @@ Node* call(Oid function, List* arguments) {
                                               InvalidOid, COERCE_EXPLICIT_CALL));
 }
 
-Node* operation(Oid symbol, Oid result, Node* left, Node* right) {
+Node* operation(Oid op, Oid result_type, Node* left, Node* right) {
   auto* const made =
-      reinterpret_cast<OpExpr*>(make_opclause(symbol, result, false, reinterpret_cast<Expr*>(left),
+      reinterpret_cast<OpExpr*>(make_opclause(op, result_type, false, reinterpret_cast<Expr*>(left),
                                               reinterpret_cast<Expr*>(right), InvalidOid, InvalidOid));
   set_opfuncid(made);
   return reinterpret_cast<Node*>(made);
 }
 
-/// The call with nine arguments as an operation on a point and a line; null if it cannot be changed.
-Node* simplify_distance(const SupportRequestSimplify& request, const char* line_name) {
-  const FuncExpr& written = *request.fcall;
-  const OwnParts parts(written.funcid);
+/// The call of dist_ray or dist_plane, with nine numbers, as an operation on a point and a ray or plane
+/// (`line`); null if it cannot be changed. `line_function` makes the line of the first six numbers.
+Node* simplify_distance(const SupportRequestSimplify& request, const char* line_function) {
+  const FuncExpr& original = *request.fcall;
+  const ExtensionObjects objects(original.funcid);
   constexpr Oid n = FLOAT8OID;
-  const Oid line = parts.function(line_name, n, n, n, n, n, n),
-            point = parts.function("cloud_point", n, n, n);
-  if (list_length(written.args) != 9 || !OidIsValid(line) || !OidIsValid(point)) return nullptr;
-  const Oid symbol = parts.symbol("<->", get_func_rettype(point), get_func_rettype(line));
-  if (!OidIsValid(symbol)) return nullptr;
-  List* const position = list_copy_tail(written.args, 6);
-  List* const given = list_truncate(list_copy(written.args), 6);
-  Node* const folded = eval_const_expressions(request.root, call(line, given));
-  Node* const distance = operation(symbol, FLOAT8OID, call(point, position), folded);
-  return reinterpret_cast<Node*>(makeRelabelType(reinterpret_cast<Expr*>(distance), written.funcresulttype,
+  const Oid line = objects.find_function(line_function, n, n, n, n, n, n),
+            point = objects.find_function("cloud_point", n, n, n);
+  if (list_length(original.args) != 9 || !OidIsValid(line) || !OidIsValid(point)) return nullptr;
+  const Oid op = objects.find_operator("<->", get_func_rettype(point), get_func_rettype(line));
+  if (!OidIsValid(op)) return nullptr;
+  List* const point_numbers = list_copy_tail(original.args, 6);
+  List* const line_numbers = list_truncate(list_copy(original.args), 6);
+  Node* const folded = eval_const_expressions(request.root, call(line, line_numbers));
+  Node* const distance = operation(op, FLOAT8OID, call(point, point_numbers), folded);
+  return reinterpret_cast<Node*>(makeRelabelType(reinterpret_cast<Expr*>(distance), original.funcresulttype,
                                                  -1, InvalidOid, COERCE_IMPLICIT_CAST));
 }
 
@@ -112,22 +113,23 @@ OpExpr* as_distance(Node* node) {
   return address == alidade_distance_to_ray || address == alidade_distance_to_plane ? found : nullptr;
 }
 
-struct Symbol {
+/// A function of PostgreSQL that compares doubles.
+struct DoubleComparison {
   PGFunction function;
-  const char* written;
-  const char* commuted;
+  const char* name;      ///< of its operator
+  const char* commuted;  ///< with the operands exchanged
 };
 
-/// The comparison of a function of PostgreSQL; null if it is not one.
-const Symbol* symbol_of(Oid function) {
-  static constexpr Symbol k_symbols[] = {{float8lt, "<", ">"},
-                                         {float8le, "<=", ">="},
-                                         {float8eq, "=", "="},
-                                         {float8ge, ">=", "<="},
-                                         {float8gt, ">", "<"}};
+/// Null if the function does not compare doubles.
+const DoubleComparison* comparison_of(Oid function) {
+  static constexpr DoubleComparison k_comparisons[] = {{float8lt, "<", ">"},
+                                                       {float8le, "<=", ">="},
+                                                       {float8eq, "=", "="},
+                                                       {float8ge, ">=", "<="},
+                                                       {float8gt, ">", "<"}};
   const PGFunction address = address_of(function);
-  for (const Symbol& symbol : k_symbols)
-    if (symbol.function == address) return &symbol;
+  for (const DoubleComparison& comparison : k_comparisons)
+    if (comparison.function == address) return &comparison;
   return nullptr;
 }
 
@@ -135,39 +137,40 @@ Node* as_double(Node* node) {
   return applyRelabelType(node, FLOAT8OID, -1, InvalidOid, COERCE_IMPLICIT_CAST, -1, true);
 }
 
-/// The comparison as one of doubles, which is in PostgreSQL's own operator families: stored distances can be
-/// found by an index on them, and joined by merging or hashing.
-Node* compare_doubles(const Symbol& symbol, Node* left, Node* right) {
-  const Oid known = operator_in(PG_CATALOG_NAMESPACE, symbol.written, FLOAT8OID, FLOAT8OID);
-  return operation(known, BOOLOID, as_double(left), as_double(right));
+/// The comparison with PostgreSQL's own operator of doubles, which is in operator families: indexes on stored
+/// distances, merge joins and hash joins support it.
+Node* compare_doubles(const DoubleComparison& comparison, Node* left, Node* right) {
+  const Oid op = operator_in(PG_CATALOG_NAMESPACE, comparison.name, FLOAT8OID, FLOAT8OID);
+  return operation(op, BOOLOID, as_double(left), as_double(right));
 }
 
-/// A comparison with a distance as a limit that a point keeps; null if it cannot be changed.
+/// A comparison with a distance as the test of a point against a limit; null if it cannot be changed.
 Node* simplify_comparison(const SupportRequestSimplify& request) {
-  const FuncExpr& written = *request.fcall;
-  const Symbol* const symbol = symbol_of(written.funcid);
-  if (symbol == nullptr || list_length(written.args) != 2) return nullptr;
-  auto* const left = static_cast<Node*>(linitial(written.args));
-  auto* const right = static_cast<Node*>(lsecond(written.args));
+  const FuncExpr& original = *request.fcall;
+  const DoubleComparison* const comparison = comparison_of(original.funcid);
+  if (comparison == nullptr || list_length(original.args) != 2) return nullptr;
+  auto* const left = static_cast<Node*>(linitial(original.args));
+  auto* const right = static_cast<Node*>(lsecond(original.args));
   const OpExpr *const on_left = as_distance(left), *const on_right = as_distance(right);
-  if ((on_left == nullptr) == (on_right == nullptr)) return compare_doubles(*symbol, left, right);
+  if ((on_left == nullptr) == (on_right == nullptr)) return compare_doubles(*comparison, left, right);
   const OpExpr& distance = on_left != nullptr ? *on_left : *on_right;
   Node* const bound = as_double(on_left != nullptr ? right : left);
 
   auto* const point = static_cast<Node*>(linitial(distance.args));
   auto* const line = static_cast<Node*>(lsecond(distance.args));
-  const OwnParts parts(written.funcid);
-  const Oid limit = parts.function("cloud_limit", exprType(line), TEXTOID, FLOAT8OID);
+  const ExtensionObjects objects(original.funcid);
+  const Oid limit = objects.find_function("cloud_limit", exprType(line), TEXTOID, FLOAT8OID);
   if (!OidIsValid(limit)) return nullptr;
-  const Oid keeps = parts.symbol("<@", exprType(point), get_func_rettype(limit));
+  const Oid keeps = objects.find_operator("<@", exprType(point), get_func_rettype(limit));
   if (!OidIsValid(keeps)) return nullptr;
-  const char* const word = on_left != nullptr ? symbol->written : symbol->commuted;
-  Const* const comparison =
-      makeConst(TEXTOID, -1, DEFAULT_COLLATION_OID, -1, CStringGetTextDatum(word), false, false);
-  Node* const folded = eval_const_expressions(request.root, call(limit, list_make3(line, comparison, bound)));
+  const char* const name = on_left != nullptr ? comparison->name : comparison->commuted;
+  Const* const name_text =
+      makeConst(TEXTOID, -1, DEFAULT_COLLATION_OID, -1, CStringGetTextDatum(name), false, false);
+  Node* const folded = eval_const_expressions(request.root, call(limit, list_make3(line, name_text, bound)));
   return operation(keeps, BOOLOID, point, folded);
 }
 
+/// Answers a request of the planner by simplify(request), or null for requests of other kinds.
 template <class Simplify>
 Datum answer(FunctionCallInfo fcinfo, const Simplify& simplify) {
   auto* const request = reinterpret_cast<Node*>(PG_GETARG_POINTER(0));
@@ -178,10 +181,12 @@ Datum answer(FunctionCallInfo fcinfo, const Simplify& simplify) {
 
 // Estimates.
 
-/// Share without statistics, or for limits that are unknown at planning time: a thin cylinder or slab.
+// A share is the fraction of a table's rows, in [0, 1].
+
+/// Share of a thin cylinder or slab: without statistics, and for limits that are unknown at planning time.
 constexpr double k_unknown_share = 0.001;
 
-/// Share of a limit that is unknown at planning time. One side of a plane has PostgreSQL's default for
+/// Share of a limit that is unknown at planning time. That of one side of a plane is PostgreSQL's default for
 /// inequalities.
 double unknown_share(const Node* limit) {
   if (!IsA(limit, FuncExpr)) return k_unknown_share;
@@ -193,6 +198,7 @@ double unknown_share(const Node* limit) {
   return has_sides ? DEFAULT_INEQ_SEL : k_unknown_share;
 }
 
+/// Estimates the share of a limit from a sample of points.
 double share_of_sample(const CloudLimit& limit, const AttStatsSlot& sample) {
   const int count = sample.nvalues;
   auto* const distances = static_cast<double*>(palloc(sizeof(double) * static_cast<std::size_t>(count)));
@@ -204,18 +210,18 @@ double share_of_sample(const CloudLimit& limit, const AttStatsSlot& sample) {
   return share;
 }
 
-/// Shares of the rows that keep the limit and of those without a position.
+/// Shares of the rows that are within the limit and of those without a position.
 struct Shares {
-  double keeping, null;
+  double within, null;
 };
 
-/// Requires that the symbol compares a point with a limit.
-Shares shares_of(VariableStatData* column, Oid symbol, const CloudLimit& limit) {
+/// Requires an operator `op` on a point and a limit.
+Shares shares_of(VariableStatData* column, Oid op, const CloudLimit& limit) {
   if (!HeapTupleIsValid(column->statsTuple)) return {k_unknown_share, 0.0};
   const double null = reinterpret_cast<Form_pg_statistic>(GETSTRUCT(column->statsTuple))->stanullfrac;
   double share = k_unknown_share;
   AttStatsSlot sample;
-  if (statistic_proc_security_check(column, get_opcode(symbol)) &&
+  if (statistic_proc_security_check(column, get_opcode(op)) &&
       get_attstatsslot(&sample, column->statsTuple, STATISTIC_KIND_HISTOGRAM, InvalidOid,
                        ATTSTATSSLOT_VALUES)) {
     if (sample.nvalues > 0 && sample.valuetype == column->atttype) share = share_of_sample(limit, sample);
@@ -224,16 +230,17 @@ Shares shares_of(VariableStatData* column, Oid symbol, const CloudLimit& limit) 
   return {share * (1.0 - null), null};
 }
 
+/// Estimates the share of rows that are within a limit, or, if not `keeps`, beyond it.
 Datum selectivity(FunctionCallInfo fcinfo, bool keeps) {
   auto* const root = reinterpret_cast<PlannerInfo*>(PG_GETARG_POINTER(0));
   auto* const arguments = reinterpret_cast<List*>(PG_GETARG_POINTER(2));
   Shares shares{k_unknown_share, 0.0};
   VariableStatData column;
   Node* other = nullptr;
-  const Oid symbol = PG_GETARG_OID(1);
-  const PGFunction decides = address_of(get_opcode(symbol));
-  const bool is_own = decides == alidade_keeps_limit || decides == alidade_breaks_limit;
-  // Superusers can use this estimate for any operator.
+  const Oid op = PG_GETARG_OID(1);
+  const PGFunction test = address_of(get_opcode(op));
+  const bool is_own = test == alidade_keeps_limit || test == alidade_breaks_limit;
+  // Superusers can attach this estimate to any operator.
   if (!is_own) PG_RETURN_FLOAT8(k_unknown_share);
   bool is_left = false;
   if (get_restriction_variable(root, arguments, PG_GETARG_INT32(3), &column, &other, &is_left)) {
@@ -243,13 +250,13 @@ Datum selectivity(FunctionCallInfo fcinfo, bool keeps) {
         ReleaseVariableStats(column);
         PG_RETURN_FLOAT8(0.0);
       }
-      if (is_left) shares = shares_of(&column, symbol, value_of<CloudLimit>(limit.constvalue));
+      if (is_left) shares = shares_of(&column, op, value_of<CloudLimit>(limit.constvalue));
     } else {
-      shares.keeping = unknown_share(other);
+      shares.within = unknown_share(other);
     }
     ReleaseVariableStats(column);
   }
-  PG_RETURN_FLOAT8(std::clamp(keeps ? shares.keeping : 1.0 - shares.null - shares.keeping, 0.0, 1.0));
+  PG_RETURN_FLOAT8(std::clamp(keeps ? shares.within : 1.0 - shares.null - shares.within, 0.0, 1.0));
 }
 
 }  // namespace
