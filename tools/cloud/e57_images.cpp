@@ -2,13 +2,12 @@
 #include "tools/cloud/e57_images.h"
 
 #include <fmt/format.h>
-#include <algorithm>
-#include <cctype>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "base/output_file.h"
 #include "base/shown_text.h"
+#include "base/words.h"
 #include "camera/camera_json.h"
 #include "camera/formats/e57.h"
 
@@ -63,19 +62,13 @@ class Names {
  public:
   std::string unique(const std::string& wanted) {
     // Counts on from the last one of that name: thousands of images may have the same.
-    for (std::size_t& count = counts_[lower(wanted)];;) {
+    for (std::size_t& count = counts_[lower_case(wanted)];;) {
       const std::string name = ++count == 1 ? wanted : wanted + "_" + std::to_string(count);
-      if (taken_.insert(lower(name)).second) return name;
+      if (taken_.insert(lower_case(name)).second) return name;
     }
   }
 
  private:
-  static std::string lower(std::string name) {
-    std::ranges::transform(name, name.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return name;
-  }
-
   std::unordered_set<std::string> taken_{"images"};
   std::unordered_map<std::string, std::size_t> counts_;
 };
