@@ -19,7 +19,7 @@
 namespace alidade::tools {
 namespace {
 
-/// Whether a text is a box, not the name of a file, which may contain commas.
+/// Whether a text is a box; one with commas that names a file is not.
 bool is_box(const std::string& text) {
   std::error_code error;
   return text.find(',') != std::string::npos && !std::filesystem::exists(text, error);
@@ -46,21 +46,22 @@ Bounds parse_box(const std::string& text) {
   return box;
 }
 
-/// Polygons of a file in the systems of the clouds, which many threads open.
+/// Reads the polygons of a file once for each reference system of the clouds. Safe to use from many threads,
+/// which open the clouds.
 struct PolygonFile {
   std::filesystem::path file;
-  std::string reference;  ///< --crop-crs, as ObserverReference::given
-  std::mutex mutex;
-  std::vector<std::pair<Crs, std::vector<PlanePolygon>>> read;
+  std::string given_system;  ///< --crop-crs, as ObserverReference::given
+  std::mutex mutex;          ///< of by_system
+  std::vector<std::pair<Crs, std::vector<PlanePolygon>>> by_system;
 
-  std::vector<PlanePolygon> in(const Crs& crs) {
+  std::vector<PlanePolygon> polygons_in(const Crs& crs) {
     const std::scoped_lock lock(mutex);
-    const auto known = std::ranges::find(read, crs, &std::pair<Crs, std::vector<PlanePolygon>>::first);
-    if (known != read.end()) return known->second;
-    read.emplace_back(
+    const auto found = std::ranges::find(by_system, crs, &std::pair<Crs, std::vector<PlanePolygon>>::first);
+    if (found != by_system.end()) return found->second;
+    by_system.emplace_back(
         crs, image_module().read_polygons(
-                 file, {.given = reference, .cloud = crs, .option = "--crop-crs", .whose = "polygons"}));
-    return read.back().second;
+                 file, {.given = given_system, .cloud = crs, .option = "--crop-crs", .whose = "polygons"}));
+    return by_system.back().second;
   }
 };
 
@@ -74,7 +75,7 @@ void take_crop(const std::string& text, PointSelection& selection,
   std::error_code error;
   if (!std::filesystem::is_regular_file(text, error))
     throw file_error(text, "not a file", "x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file");
-  selection.polygons = [polygons](const Crs& crs) { return polygons->in(crs); };
+  selection.polygons = [polygons](const Crs& crs) { return polygons->polygons_in(crs); };
 }
 
 void add_crop(const Options& group, PointSelection& selection) {
@@ -89,7 +90,7 @@ void add_crop(const Options& group, PointSelection& selection) {
       "reference system of the polygons, such as EPSG:4326, overriding their file; 'cloud' for the cloud's",
       [&selection, polygons](const std::string& text) {
         if (selection.box) throw UsageError("requires a polygon file; expected --crop FILE, found a box");
-        polygons->reference = text;
+        polygons->given_system = text;
       });
 }
 
@@ -104,18 +105,18 @@ void take_condition(const std::string& text, PointSelection& selection) {
   }
 }
 
-/// Errors: the location of the cloud is unknown.
+/// Sets the zone of UTM in which the middle of the first cloud lies. Errors: that location is unknown.
 void choose_zone(ViewRequest& request) {
-  const std::unique_ptr<CloudReader> reader =
-      open_stored_cloud(*request.first, request.first->file(), Damage::read_over);
+  const CloudInput& cloud = *request.first_cloud;
+  const std::unique_ptr<CloudReader> reader = open_stored_cloud(cloud, cloud.file(), Damage::read_over);
   const FileFacts facts = reader->facts();
   Bounds box = facts.box.value_or(Bounds());
   if (box.empty() && !reader->lattice()) box = reader->survey({}).bounds;
   if (box.empty())
-    throw file_error(request.first->name, "cannot choose a zone of UTM: the file does not state its bounds",
+    throw file_error(cloud.name, "cannot choose a zone of UTM: the file does not state its bounds",
                      "--reproject EPSG:n");
-  const Crs crs = image_module().change_reference({.stated = request.stated}, request.first->name, facts).crs;
-  request.zone = image_module().metric_system(crs, box.center(), request.first->name);
+  const Crs crs = image_module().change_reference({.stated = request.stated_system}, cloud.name, facts).crs;
+  request.zone = image_module().metric_system(crs, box.center(), cloud.name);
 }
 
 }  // namespace
@@ -155,43 +156,46 @@ geo::RemoteOptions& remote_options() {
 }
 
 CloudInputs ViewRequest::apply(CloudInputs clouds) {
-  if (!first && !clouds.empty()) first = clouds.inputs.front();
+  if (!first_cloud && !clouds.empty()) first_cloud = clouds.inputs.front();
   for (CloudInput& input : clouds.inputs) input.view = view;
   return clouds;
 }
 
 std::shared_ptr<ViewRequest> add_view_options(const Options& command,
                                               std::initializer_list<std::string_view> own,
-                                              HeightUse heights) {
+                                              HeightUse height_use) {
   const auto request = std::make_shared<ViewRequest>();
+  // The view holds functions that use the request: with a shared pointer, each would keep the other alive.
   ViewRequest* const target = request.get();
   PointSelection& selection = request->view->selection;
-  request->view->has_one_unit = heights == HeightUse::measured;
+  request->view->has_one_unit = height_use == HeightUse::measured;
   const auto is_own = [&](std::string_view name) { return std::ranges::find(own, name) != own.end(); };
   const Options group = command.group("Which points, in which reference system");
-  const auto choose = [&selection](const std::bitset<256>& classes) {
+  const auto restrict_classes = [&selection](const std::bitset<256>& classes) {
     selection.classes = selection.classes.value_or(std::bitset<256>().set()) & classes;
   };
   if (!is_own("--classes"))
     group.value("--classes", "LIST", "only points of these classes, such as 2,6",
-                [choose](const std::string& text) { choose(parse_classes(text)); });
+                [restrict_classes](const std::string& text) { restrict_classes(parse_classes(text)); });
   if (!is_own("--ignore-classes"))
     group.value("--ignore-classes", "LIST", "no points of these classes, such as 7,18 (noise)",
-                [choose](const std::string& text) { choose(~parse_classes(text)); });
+                [restrict_classes](const std::string& text) { restrict_classes(~parse_classes(text)); });
   group.value("--where", "CONDITION",
               "only points for which a condition of SQL holds, such as \"classification = 2 AND intensity > "
               "100\"; columns are x, y, z and those that 'alidade sql' has: see docs/convert.md",
               [&selection](const std::string& text) { take_condition(text, selection); });
   if (!is_own("--crop")) add_crop(group, selection);
-  const auto change = [target](const std::filesystem::path& file, const FileFacts& facts) {
-    const bool is_automatic = target->wanted == "auto";
-    // Isolated: while it waits, the thread must not start to open another file, which would wait for it.
+  const auto change_reference = [target](const std::filesystem::path& file, const FileFacts& facts) {
+    const bool is_automatic = target->wanted_system == "auto";
+    // Isolated: a thread that waits inside must not start to open another file, which would wait for
+    // call_once.
     if (is_automatic)
       tbb::this_task_arena::isolate(
           [&] { std::call_once(target->is_zone_chosen, choose_zone, std::ref(*target)); });
-    return image_module().change_reference({target->stated, is_automatic ? target->zone : target->wanted,
-                                            target->view->height_unit, target->view->has_one_unit},
-                                           file, facts);
+    return image_module().change_reference(
+        {target->stated_system, is_automatic ? target->zone : target->wanted_system,
+         target->view->height_unit, target->view->has_one_unit},
+        file, facts);
   };
   group.value("--columns", "NAMES",
               "titles of the columns of text files that have none, such as x,y,z,intensity,gps_time or "
@@ -201,19 +205,19 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
       "--crs", "SYSTEM",
       "reference system of clouds that state none or a wrong one, such as EPSG:25832 or the name of a "
       "file with WKT",
-      [target, change](const std::string& text) {
-        target->stated = text;
-        target->view->change_reference = change;
+      [target, change_reference](const std::string& text) {
+        target->stated_system = text;
+        target->view->change_reference = change_reference;
       });
   const Option reproject = group.value(
       "--reproject", "SYSTEM|auto",
       "bring the points to another reference system, such as EPSG:25832; auto: from degrees or "
       "geocentric coordinates to the zone of UTM of the first cloud; heights get the unit of the system",
-      [target, change](const std::string& text) {
-        target->wanted = text;
-        target->view->change_reference = change;
+      [target, change_reference](const std::string& text) {
+        target->wanted_system = text;
+        target->view->change_reference = change_reference;
       });
-  (heights == HeightUse::measured ? group : group.needs(reproject))
+  (height_use == HeightUse::measured ? group : group.needs(reproject))
       .choice(
           "--vertical-unit",
           "unit of the heights of clouds that state none: metres, feet or US survey feet (default: that of x "

@@ -78,8 +78,8 @@ Bounds box_of(const glm::dvec3& point) {
 }
 
 bool may_hold(const CloudLimit& limit, const Bounds& box) {
-  // Distances are NaN only for infinite ends and after overflow. Such points keep a limit whose end is NaN,
-  // which is tighter than an end at infinity if only one end of a plane's reach is NaN.
+  // Distances are NaN only for infinite ends and after overflow. Such points are within a limit whose end is
+  // NaN, which is tighter than an end at infinity if only one end of a plane's reach is NaN.
   const auto end = [](double value) { return std::isnan(value) ? k_infinity : value; };
   const Interval limits{end(limit.least), end(limit.largest)};
   const CloudLine& line = limit.line;
