@@ -92,11 +92,12 @@ void check_overlap(const E57Pages& pages, const std::vector<E57Scan>& scans) {
 }
 
 /// Checks that the images are not larger than the file, since they are written to files one by one.
-void check_pictures(const E57Pages& pages, const std::vector<E57Image>& images) {
+void check_image_sizes(const E57Pages& pages, const std::vector<E57Image>& images) {
   std::uint64_t left = pages.size();
   for (std::size_t i = 0; i < images.size(); ++i) {
-    for (const E57Picture& picture : images[i].pictures) {
-      const std::uint64_t length = picture.blob.length + (picture.mask ? picture.mask->length : 0);
+    for (const E57Representation& representation : images[i].representations) {
+      const std::uint64_t length =
+          representation.blob.length + (representation.mask ? representation.mask->length : 0);
       if (length > left) pages.fail(fmt::format("image {}", i + 1), "the images exceed the file");
       left -= length;
     }
@@ -121,7 +122,7 @@ E57Document read_document(E57Pages& pages) {
     document.images.push_back(read_e57_image(node, pages, document.oddities));
   }
   check_overlap(pages, document.scans);
-  check_pictures(pages, document.images);
+  check_image_sizes(pages, document.images);
   return document;
 }
 

@@ -163,7 +163,7 @@ enum class E57Projection { visual, pinhole, spherical, cylindrical };
 const char* name_of(E57Projection projection);
 
 /// One representation of an image, which may have a visual reference and one of the projections.
-struct E57Picture {
+struct E57Representation {
   E57Projection projection = E57Projection::visual;
   std::string extension;  ///< "jpg" or "png", by the first bytes; "bin" for anything else
   E57Blob blob;
@@ -178,7 +178,7 @@ struct E57Picture {
 struct E57Image {
   std::string name, guid, scan_guid;  ///< scan_guid: of the scan it belongs to, or empty
   std::optional<E57Pose> pose{};
-  std::vector<E57Picture> pictures;
+  std::vector<E57Representation> representations;
 };
 
 struct E57Document {

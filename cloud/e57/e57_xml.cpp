@@ -174,31 +174,32 @@ constexpr const char* k_representations[] = {"visualReferenceRepresentation", "p
                                              "sphericalRepresentation", "cylindricalRepresentation"};
 
 /// Empty without an image file.
-std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projection, E57Pages& pages) {
+std::optional<E57Representation> read_representation(const E57Node& node, E57Projection projection,
+                                                     E57Pages& pages) {
   const E57Node jpeg = node.child("jpegImage"), png = node.child("pngImage");
   if (!jpeg && !png) return std::nullopt;
-  E57Picture picture;
-  picture.projection = projection;
-  picture.blob = locate_blob(jpeg ? jpeg : png, pages);
-  picture.extension = extension_of(picture.blob, pages);
-  if (const E57Node mask = node.child("imageMask")) picture.mask = locate_blob(mask, pages);
-  picture.width = node.child("imageWidth").count();
-  picture.height = node.child("imageHeight").count();
-  picture.focal_length = node.child("focalLength").number_or(0.0);
-  picture.pixel_width = node.child("pixelWidth").number_or(0.0);
-  picture.pixel_height = node.child("pixelHeight").number_or(0.0);
-  picture.principal_x = node.child("principalPointX").number_or(0.0);
-  picture.principal_y = node.child("principalPointY").number_or(0.0);
+  E57Representation representation;
+  representation.projection = projection;
+  representation.blob = locate_blob(jpeg ? jpeg : png, pages);
+  representation.extension = extension_of(representation.blob, pages);
+  if (const E57Node mask = node.child("imageMask")) representation.mask = locate_blob(mask, pages);
+  representation.width = node.child("imageWidth").count();
+  representation.height = node.child("imageHeight").count();
+  representation.focal_length = node.child("focalLength").number_or(0.0);
+  representation.pixel_width = node.child("pixelWidth").number_or(0.0);
+  representation.pixel_height = node.child("pixelHeight").number_or(0.0);
+  representation.principal_x = node.child("principalPointX").number_or(0.0);
+  representation.principal_y = node.child("principalPointY").number_or(0.0);
   // One writer misspells "radius".
-  picture.radius = node.child("radius").number_or(node.child("readius").number_or(0.0));
-  if (projection == E57Projection::spherical && picture.width > 0 && picture.height > 0) {
+  representation.radius = node.child("radius").number_or(node.child("readius").number_or(0.0));
+  if (projection == E57Projection::spherical && representation.width > 0 && representation.height > 0) {
     // Some writers omit the sizes of pixels of an image that covers the whole sphere.
-    if (picture.pixel_width == 0.0)
-      picture.pixel_width = 2.0 * std::numbers::pi / static_cast<double>(picture.width);
-    if (picture.pixel_height == 0.0)
-      picture.pixel_height = std::numbers::pi / static_cast<double>(picture.height);
+    if (representation.pixel_width == 0.0)
+      representation.pixel_width = 2.0 * std::numbers::pi / static_cast<double>(representation.width);
+    if (representation.pixel_height == 0.0)
+      representation.pixel_height = std::numbers::pi / static_cast<double>(representation.height);
   }
-  return picture;
+  return representation;
 }
 
 }  // namespace
@@ -326,10 +327,10 @@ E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& odd
   for (int i = 0; i < 4; ++i) {
     const E57Node node = parent.child(k_representations[i]);
     if (!node) continue;
-    const auto picture = read_picture(node, static_cast<E57Projection>(i), pages);
-    if (picture) image.pictures.push_back(*picture);
+    const auto representation = read_representation(node, static_cast<E57Projection>(i), pages);
+    if (representation) image.representations.push_back(*representation);
   }
-  if (image.pictures.empty()) oddities.add("no image", parent.where() + " contains no image");
+  if (image.representations.empty()) oddities.add("no image", parent.where() + " contains no image");
   return image;
 }
 

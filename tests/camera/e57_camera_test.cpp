@@ -27,17 +27,17 @@ E57Image posed() {
   return image;
 }
 
-E57Picture pinhole() {
-  E57Picture picture;
-  picture.projection = E57Projection::pinhole;
-  picture.width = 400;
-  picture.height = 300;
-  picture.focal_length = 0.02;
-  picture.pixel_width = 1e-4;
-  picture.pixel_height = 2e-4;
-  picture.principal_x = 210.5;
-  picture.principal_y = 140.25;
-  return picture;
+E57Representation pinhole() {
+  E57Representation representation;
+  representation.projection = E57Projection::pinhole;
+  representation.width = 400;
+  representation.height = 300;
+  representation.focal_length = 0.02;
+  representation.pixel_width = 1e-4;
+  representation.pixel_height = 2e-4;
+  representation.principal_x = 210.5;
+  representation.principal_y = 140.25;
+  return representation;
 }
 
 TEST(E57Camera, pinhole_looks_along_minus_z_with_y_up) {
@@ -59,12 +59,12 @@ TEST(E57Camera, pinhole_looks_along_minus_z_with_y_up) {
 
 TEST(E57Camera, spherical_looks_along_x_with_azimuth_growing_to_the_left) {
   const E57Image image = posed();
-  E57Picture picture;
-  picture.projection = E57Projection::spherical;
-  picture.width = 360;
-  picture.height = 180;
-  picture.pixel_width = picture.pixel_height = std::numbers::pi / 180;
-  const std::optional<Camera> camera = camera_of(image, picture);
+  E57Representation representation;
+  representation.projection = E57Projection::spherical;
+  representation.width = 360;
+  representation.height = 180;
+  representation.pixel_width = representation.pixel_height = std::numbers::pi / 180;
+  const std::optional<Camera> camera = camera_of(image, representation);
   ASSERT_TRUE(camera);
   check_camera(*camera);
   const Projection projection(*camera);
@@ -80,22 +80,22 @@ TEST(E57Camera, spherical_looks_along_x_with_azimuth_growing_to_the_left) {
   EXPECT_NEAR(film_of(-30, 40).y, 50, 1e-9);
 }
 
-TEST(E57Camera, of_other_pictures_and_impossible_numbers_is_empty) {
-  E57Picture picture = pinhole();
-  picture.pixel_width = 0;
-  EXPECT_FALSE(camera_of({}, picture));
-  picture = pinhole();
-  picture.focal_length = -1;
-  EXPECT_FALSE(camera_of({}, picture));
-  picture = pinhole();
-  picture.width = 0;
-  EXPECT_FALSE(camera_of({}, picture));
-  picture.width = std::uint64_t{1} << 40;
-  EXPECT_FALSE(camera_of({}, picture));
+TEST(E57Camera, of_other_images_and_impossible_numbers_is_empty) {
+  E57Representation representation = pinhole();
+  representation.pixel_width = 0;
+  EXPECT_FALSE(camera_of({}, representation));
+  representation = pinhole();
+  representation.focal_length = -1;
+  EXPECT_FALSE(camera_of({}, representation));
+  representation = pinhole();
+  representation.width = 0;
+  EXPECT_FALSE(camera_of({}, representation));
+  representation.width = std::uint64_t{1} << 40;
+  EXPECT_FALSE(camera_of({}, representation));
   for (const E57Projection projection : {E57Projection::visual, E57Projection::cylindrical}) {
-    picture = pinhole();
-    picture.projection = projection;
-    EXPECT_FALSE(camera_of({}, picture));
+    representation = pinhole();
+    representation.projection = projection;
+    EXPECT_FALSE(camera_of({}, representation));
   }
 }
 
@@ -106,16 +106,16 @@ TEST(E57Camera, without_a_pose_is_in_the_axes_of_the_file) {
   EXPECT_EQ(camera->pose.forward, glm::dvec3(0, 0, -1));
 }
 
-E57Image image_of(const std::string& name, const std::vector<E57Picture>& pictures) {
+E57Image image_of(const std::string& name, const std::vector<E57Representation>& representations) {
   E57Image image = posed();
   image.name = name;
-  image.pictures = pictures;
+  image.representations = representations;
   return image;
 }
 
 TEST(E57Camera, photos_have_the_names_of_their_images_made_unique) {
   E57Document document;
-  document.images = {image_of("north", {pinhole(), E57Picture{}}), image_of("north_2", {pinhole()}),
+  document.images = {image_of("north", {pinhole(), E57Representation{}}), image_of("north_2", {pinhole()}),
                      image_of("north", {pinhole()}), image_of("", {pinhole()}), image_of("", {pinhole()})};
   document.images[3].guid = "{7}";
   document.images[4].pose.reset();

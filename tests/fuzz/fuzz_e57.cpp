@@ -18,10 +18,11 @@ void read_images(const std::vector<std::byte>& bytes) {
   try {
     alidade::E57File file(alidade::InputFile(bytes, "input"));
     for (const alidade::E57Image& image : file.document().images) {
-      for (const alidade::E57Picture& picture : image.pictures) {
+      for (const alidade::E57Representation& representation : image.representations) {
         std::uint64_t length = 0;
-        file.read_blob(picture.blob, [&](std::span<const std::byte> piece) { length += piece.size(); });
-        if (length != picture.blob.length || length > bytes.size()) std::abort();
+        file.read_blob(representation.blob,
+                       [&](std::span<const std::byte> piece) { length += piece.size(); });
+        if (length != representation.blob.length || length > bytes.size()) std::abort();
       }
     }
   } catch (const alidade::Error&) {

@@ -26,9 +26,9 @@ std::string position_text(const std::optional<E57Pose>& pose) {
   return fmt::format("at {} {} {}", pose->translation.x, pose->translation.y, pose->translation.z);
 }
 
-std::string picture_text(const E57Picture& picture) {
-  return fmt::format("{} {} {}x{}{}", name_of(picture.projection), picture.extension, picture.width,
-                     picture.height, picture.mask ? " with mask" : "");
+std::string representation_text(const E57Representation& representation) {
+  return fmt::format("{} {} {}x{}{}", name_of(representation.projection), representation.extension,
+                     representation.width, representation.height, representation.mask ? " with mask" : "");
 }
 
 std::string named(const char* kind, std::size_t number, const std::string& name) {
@@ -48,12 +48,12 @@ void print_each(const std::vector<Item>& items, const char* kind, Verbosity verb
   }
 }
 
-/// A picture and the names of the files that are written for it.
+/// An image to extract, and the names of the files that are written for it.
 struct Extraction {
   std::size_t file = 0;
   E57Blob blob;
   std::optional<E57Blob> mask{};
-  std::string picture_name, mask_name, camera_name;
+  std::string image_name, mask_name, camera_name;
   std::string camera;
 };
 
@@ -84,13 +84,14 @@ Json pose_json(const std::optional<E57Pose>& pose) {
   return rows;
 }
 
-const char* note_of(const E57Picture& picture, bool has_camera) {
+const char* note_of(const E57Representation& representation, bool has_camera) {
   if (has_camera) {
-    return picture.projection == E57Projection::pinhole ? "pinhole: camera axes x right, y up, -z forward"
-                                                        : "spherical: camera axes x forward, y left, z up; "
-                                                          "read as equirectangular with its centre forward";
+    return representation.projection == E57Projection::pinhole
+               ? "pinhole: camera axes x right, y up, -z forward"
+               : "spherical: camera axes x forward, y left, z up; "
+                 "read as equirectangular with its centre forward";
   }
-  switch (picture.projection) {
+  switch (representation.projection) {
     case E57Projection::visual:
       return "visual reference: an image without a camera";
     case E57Projection::cylindrical:
@@ -101,11 +102,12 @@ const char* note_of(const E57Picture& picture, bool has_camera) {
   }
 }
 
-std::string camera_text(const E57Image& image, const E57Picture& picture, const std::string& file) {
-  const std::optional<camera::Camera> camera = camera::camera_of(image, picture);
+std::string camera_text(const E57Image& image, const E57Representation& representation,
+                        const std::string& file) {
+  const std::optional<camera::Camera> camera = camera::camera_of(image, representation);
   if (!camera) return {};
   Json json = Json::parse(camera::camera_json(*camera));
-  json["description"] = std::string(name_of(picture.projection)) + " image of " + file +
+  json["description"] = std::string(name_of(representation.projection)) + " image of " + file +
                         (image.pose ? "" : ", which has no pose: the axes are those of the file");
   return json_text(json, 2) + "\n";
 }
@@ -128,7 +130,8 @@ class Plan {
   void add(std::size_t file_number, const E57File& file) {
     for (const E57Image& image : file.document().images) {
       const std::string base = safe_file_name(image.name.empty() ? image.guid : image.name);
-      for (const E57Picture& picture : image.pictures) add(file_number, file, image, picture, base);
+      for (const E57Representation& representation : image.representations)
+        add(file_number, file, image, representation, base);
     }
   }
 
@@ -136,34 +139,35 @@ class Plan {
   std::string table() const { return json_text(table_, 2) + "\n"; }
 
  private:
-  void add(std::size_t file_number, const E57File& file, const E57Image& image, const E57Picture& picture,
-           const std::string& base) {
-    const bool is_second = picture.projection == E57Projection::visual && image.pictures.size() > 1;
+  void add(std::size_t file_number, const E57File& file, const E57Image& image,
+           const E57Representation& representation, const std::string& base) {
+    const bool is_second =
+        representation.projection == E57Projection::visual && image.representations.size() > 1;
     const std::string name = names_.unique(is_second ? base + "_visual" : base);
     Extraction extraction{.file = file_number,
-                          .blob = picture.blob,
-                          .mask = picture.mask,
-                          .picture_name = name + "." + picture.extension,
-                          .mask_name = picture.mask ? names_.unique(name + "_mask") + ".png" : "",
+                          .blob = representation.blob,
+                          .mask = representation.mask,
+                          .image_name = name + "." + representation.extension,
+                          .mask_name = representation.mask ? names_.unique(name + "_mask") + ".png" : "",
                           .camera_name = "",
-                          .camera = camera_text(image, picture, file.pages().name())};
+                          .camera = camera_text(image, representation, file.pages().name())};
     if (!extraction.camera.empty()) extraction.camera_name = name + ".json";
-    table_.push_back({{"file", extraction.picture_name},
-                      {"mask", picture.mask ? Json(extraction.mask_name) : Json()},
+    table_.push_back({{"file", extraction.image_name},
+                      {"mask", representation.mask ? Json(extraction.mask_name) : Json()},
                       {"camera", extraction.camera.empty() ? Json() : Json(extraction.camera_name)},
-                      {"note", note_of(picture, !extraction.camera.empty())},
+                      {"note", note_of(representation, !extraction.camera.empty())},
                       {"source", file.pages().name()},
                       {"name", image.name},
                       {"guid", image.guid},
                       {"scan_guid", image.scan_guid},
-                      {"projection", name_of(picture.projection)},
-                      {"width", picture.width},
-                      {"height", picture.height},
-                      {"focal_length", picture.focal_length},
-                      {"pixel_width", picture.pixel_width},
-                      {"pixel_height", picture.pixel_height},
-                      {"principal_point", {picture.principal_x, picture.principal_y}},
-                      {"radius", picture.radius},
+                      {"projection", name_of(representation.projection)},
+                      {"width", representation.width},
+                      {"height", representation.height},
+                      {"focal_length", representation.focal_length},
+                      {"pixel_width", representation.pixel_width},
+                      {"pixel_height", representation.pixel_height},
+                      {"principal_point", {representation.principal_x, representation.principal_y}},
+                      {"radius", representation.radius},
                       {"pose", pose_json(image.pose)}});
     extractions_.push_back(std::move(extraction));
   }
@@ -193,20 +197,20 @@ Json e57_json(const E57File& file) {
                      {"fields", fields}});
   }
   for (const E57Image& image : file.document().images) {
-    Json pictures = Json::array();
-    for (const E57Picture& picture : image.pictures) {
-      pictures.push_back({{"projection", name_of(picture.projection)},
-                          {"format", picture.extension},
-                          {"width", picture.width},
-                          {"height", picture.height},
-                          {"bytes", picture.blob.length},
-                          {"mask", picture.mask.has_value()}});
+    Json representations = Json::array();
+    for (const E57Representation& representation : image.representations) {
+      representations.push_back({{"projection", name_of(representation.projection)},
+                                 {"format", representation.extension},
+                                 {"width", representation.width},
+                                 {"height", representation.height},
+                                 {"bytes", representation.blob.length},
+                                 {"mask", representation.mask.has_value()}});
     }
     images.push_back({{"name", image.name},
                       {"guid", image.guid},
                       {"scan_guid", image.scan_guid},
                       {"camera", position_json(image.pose)},
-                      {"pictures", pictures}});
+                      {"pictures", representations}});
   }
   return {
       {"file", file.pages().name()}, {"guid", file.document().guid}, {"scans", scans}, {"images", images}};
@@ -218,10 +222,11 @@ std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity) {
     return fmt::format("{} records, {}", scan.record_count, position_text(scan.pose));
   };
   const auto image_text = [](const E57Image& image) {
-    std::vector<std::string> pictures;
-    for (const E57Picture& picture : image.pictures) pictures.push_back(picture_text(picture));
-    if (pictures.empty()) pictures.push_back("no image");
-    return fmt::format("{}, {}", fmt::join(pictures, ", "), position_text(image.pose));
+    std::vector<std::string> representations;
+    for (const E57Representation& representation : image.representations)
+      representations.push_back(representation_text(representation));
+    if (representations.empty()) representations.push_back("no image");
+    return fmt::format("{}, {}", fmt::join(representations, ", "), position_text(image.pose));
   };
   print_each(file.document().scans, "scan", verbosity, scan_text, lines);
   print_each(file.document().images, "image", verbosity, image_text, lines);
@@ -243,13 +248,13 @@ std::size_t extract_images(std::span<const std::filesystem::path> files, const s
   }
   std::filesystem::create_directories(folder);
   for (const Extraction& extraction : plan.extractions()) {
-    for (const std::string& name : {extraction.picture_name, extraction.mask_name, extraction.camera_name})
+    for (const std::string& name : {extraction.image_name, extraction.mask_name, extraction.camera_name})
       if (!name.empty()) check_output(folder / name, overwrite);
   }
   check_output(folder / "images.json", overwrite);
   for (const Extraction& extraction : plan.extractions()) {
     E57File& source = sources[extraction.file];
-    write_blob(folder / extraction.picture_name, source, extraction.blob, overwrite);
+    write_blob(folder / extraction.image_name, source, extraction.blob, overwrite);
     if (extraction.mask) write_blob(folder / extraction.mask_name, source, *extraction.mask, overwrite);
     if (!extraction.camera.empty())
       write_text_file(folder / extraction.camera_name, extraction.camera, overwrite);

@@ -20,13 +20,13 @@ nlohmann::ordered_json e57_json(const E57File& file);
 /// verbose.
 std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity);
 
-/// Writes the pictures of E57 files into `folder`, which is created if missing, byte for byte as they are:
-/// NAME.jpg or NAME.png, named for the image (its name, else its GUID), NAME_visual for a visual
-/// reference beside another picture, NAME_2 and so on where a name is repeated, and NAME_mask.png. Beside a
-/// picture whose projection is that of a lens (camera_of()) goes its camera file, NAME.json. images.json
-/// holds all metadata of the pictures, also of those without a camera. Returns the number of pictures.
-/// Errors: an output exists and may not be replaced, found before anything is written; no image in any file;
-/// a damaged page.
+/// Writes the images of E57 files into `folder`, which is created if missing, byte for byte as they are:
+/// NAME.jpg or NAME.png by the name of the image, else its GUID; NAME_visual for a visual reference of an
+/// image that has another representation; NAME_2 and so on where a name is repeated; NAME_mask.png for a
+/// mask; NAME.json, a camera file, if a lens has the projection (camera_of()). images.json contains the
+/// metadata of all images, also of those without a camera. Returns the number of images written. Errors: an
+/// output exists and may not be replaced, found before anything is written; no image in any file; a damaged
+/// page.
 std::size_t extract_images(std::span<const std::filesystem::path> files, const std::filesystem::path& folder,
                            bool overwrite);
 

@@ -102,12 +102,13 @@ class E57Photos {
  public:
   E57Photos(const fs::path& file, std::span<const camera::NamedCamera> cameras) : file_(InputFile(file)) {
     std::vector<std::string> ignored;  // which were printed with the cameras
-    std::map<std::string, E57Picture> pictures;
+    std::map<std::string, E57Representation> representations;
     for (const camera::E57Photo& each : camera::e57_photos(file_.document(), ignored))
-      pictures.emplace(each.camera.name, each.picture);
+      representations.emplace(each.camera.name, each.representation);
     for (const camera::NamedCamera& camera : cameras) {
-      const E57Picture& picture = pictures.at(camera.name);
-      photos_.push_back({file.string() + "/" + camera.name + "." + picture.extension, picture.blob});
+      const E57Representation& representation = representations.at(camera.name);
+      photos_.push_back(
+          {file.string() + "/" + camera.name + "." + representation.extension, representation.blob});
       check_size(photos_.back().name,
                  image_module().photo_size(photos_.back().name, bytes_of(photos_.back())), camera);
     }

@@ -56,8 +56,8 @@ TEST(E57Images, of_every_projection_with_pose_and_bytes) {
   EXPECT_EQ(images[0].guid, "{1}");
   EXPECT_EQ(images[0].scan_guid, "{scan}");
   EXPECT_EQ(images[0].pose->translation, glm::dvec3(5, 6, 7));
-  ASSERT_EQ(images[0].pictures.size(), 2u);
-  const E57Picture& pinhole = images[0].pictures[1];
+  ASSERT_EQ(images[0].representations.size(), 2u);
+  const E57Representation& pinhole = images[0].representations[1];
   EXPECT_EQ(pinhole.projection, E57Projection::pinhole);
   EXPECT_EQ(pinhole.width, 40u);
   EXPECT_EQ(pinhole.height, 20u);
@@ -67,12 +67,13 @@ TEST(E57Images, of_every_projection_with_pose_and_bytes) {
   EXPECT_EQ(pinhole.extension, "jpg");
   EXPECT_EQ(bytes_of(file, pinhole.blob), k_jpeg) << "across pages";
   EXPECT_EQ(bytes_of(file, *pinhole.mask), k_png);
-  EXPECT_EQ(images[0].pictures[0].extension, "png");
-  ASSERT_EQ(images[1].pictures.size(), 2u);
-  EXPECT_EQ(images[1].pictures[0].extension, "jpg") << "by its bytes, not by its element";
-  EXPECT_NEAR(images[1].pictures[0].pixel_width, 2 * 3.14159265358979 / 40, 1e-12) << "the whole sphere";
-  EXPECT_EQ(images[1].pictures[1].extension, "bin");
-  EXPECT_EQ(images[1].pictures[1].radius, 3.0) << "misspelt by a writer";
+  EXPECT_EQ(images[0].representations[0].extension, "png");
+  ASSERT_EQ(images[1].representations.size(), 2u);
+  EXPECT_EQ(images[1].representations[0].extension, "jpg") << "by its bytes, not by its element";
+  EXPECT_NEAR(images[1].representations[0].pixel_width, 2 * 3.14159265358979 / 40, 1e-12)
+      << "the whole sphere";
+  EXPECT_EQ(images[1].representations[1].extension, "bin");
+  EXPECT_EQ(images[1].representations[1].radius, 3.0) << "misspelt by a writer";
   EXPECT_FALSE(images[1].pose.has_value());
 }
 
