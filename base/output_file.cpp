@@ -242,7 +242,7 @@ void OutputFile::commit() {
 
 void write_text_file(const std::filesystem::path& path, std::string_view text, bool overwrite) {
   OutputFile file(path, overwrite);
-  file.write(std::as_bytes(std::span(text)));
+  file.write(text);
   file.commit();
 }
 

@@ -27,6 +27,7 @@ class OutputFile {
   /// Appends bytes, through a buffer: many small pieces cost little. Errors: no space left and other write
   /// failures.
   void write(std::span<const std::byte> bytes);
+  void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
   /// Overwrites bytes at an offset already written (headers completed at the end).
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Bytes written so far.

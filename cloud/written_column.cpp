@@ -144,13 +144,13 @@ void write_rows(OutputFile& output, std::size_t point_count, const PointPieces& 
     std::string text = begin(piece, done == 0);
     for (std::size_t row = 0; row < piece.size(); ++row) {
       if (row % k_rows_per_write == 0) {
-        output.write(std::as_bytes(std::span(text)));
+        output.write(text);
         text.clear();
         report(progress, done + row, point_count);
       }
       append(text, row);
     }
-    output.write(std::as_bytes(std::span(text)));
+    output.write(text);
     assert(piece.size() > 0 || point_count == 0);
     done += piece.size();
   } while (done < point_count);

@@ -277,8 +277,7 @@ void write_depth_map(std::span<const float> values, int width, int height, Depth
   static_assert(std::endian::native == std::endian::little);
   OutputFile output(file, overwrite);
   if (format == DepthFormat::npy || format == DepthFormat::colmap) {
-    const std::string head = depth_map_head(format, width, height);
-    output.write(std::as_bytes(std::span(head)));
+    output.write(depth_map_head(format, width, height));
     output.write(std::as_bytes(values));
     output.commit();
     return;

@@ -46,24 +46,20 @@ std::string csv_values(const Row& row) {
   return line + "\n";
 }
 
-void write_text(OutputFile& file, const std::string& text) {
-  file.write(std::as_bytes(std::span(text)));
-}
-
 JsonListWriter::JsonListWriter(OutputFile& file, const Row& head, const std::string& list) : file_(file) {
   std::string begin = json_text(head);
   begin.pop_back();
   if (!head.empty()) begin += ",";
-  write_text(file_, begin + "\"" + list + "\":[");
+  file_.write(begin + "\"" + list + "\":[");
 }
 
 void JsonListWriter::add(const Row& element) {
-  write_text(file_, (is_first_ ? "\n" : ",\n") + json_text(element));
+  file_.write((is_first_ ? "\n" : ",\n") + json_text(element));
   is_first_ = false;
 }
 
 void JsonListWriter::finish() {
-  write_text(file_, "\n]}\n");
+  file_.write("\n]}\n");
 }
 
 Row members_of(const RowFileHead& head) {
@@ -100,8 +96,8 @@ bool write_positions(const PositionTable& table, const Row& members, RowForm for
   OutputFile output(file, overwrite);
   std::optional<std::vector<glm::dvec3>> on_earth;
   if (form == RowForm::csv) {
-    write_text(output, csv_names(table.rows.front()));
-    for (const Row& row : table.rows) write_text(output, csv_values(row));
+    output.write(csv_names(table.rows.front()));
+    for (const Row& row : table.rows) output.write(csv_values(row));
   } else if (form == RowForm::json) {
     Row object = members_of(head);
     object.update(members);

@@ -39,8 +39,6 @@ using Row = nlohmann::ordered_json;
 std::string csv_names(const Row& row);
 std::string csv_values(const Row& row);
 
-void write_text(OutputFile& file, const std::string& text);
-
 /// A JSON object with a list as its last member, an element in a line of text each. Bytes that are not
 /// UTF-8 are replaced.
 class JsonListWriter {

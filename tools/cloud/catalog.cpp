@@ -285,14 +285,13 @@ void write_json(const CatalogCommand& command, const std::vector<FileRow>& rows,
   std::vector<Json> projections;
   for (const Crs& crs : systems) projections.push_back(projection_of(crs));
   OutputFile file(command.output, command.overwrite);
-  const auto write = [&](std::string_view text) { file.write(std::as_bytes(std::span(text))); };
-  write("{\"type\":\"FeatureCollection\",\"features\":[");
+  file.write("{\"type\":\"FeatureCollection\",\"features\":[");
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (interrupted()) throw Cancelled();
-    write(i == 0 ? "\n" : ",\n");
-    write(json_text(item_of(rows[i], outlines[i], projections[rows[i].system])));
+    file.write(i == 0 ? "\n" : ",\n");
+    file.write(json_text(item_of(rows[i], outlines[i], projections[rows[i].system])));
   }
-  write("\n]}\n");
+  file.write("\n]}\n");
   file.commit();
 }
 

@@ -121,7 +121,7 @@ class AnswerText final : public AnswerOutput {
  private:
   void put(const std::string& text) {
     if (file_) {
-      file_->write(std::as_bytes(std::span(text)));
+      file_->write(text);
     } else {
       write_to_stdout(text);
     }

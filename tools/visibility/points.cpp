@@ -34,7 +34,7 @@ struct PointsCommand : VisibilityRequest {
 class SeenList {
  public:
   SeenList(const std::filesystem::path& file, bool overwrite) : file_(file, overwrite) {
-    put("observer,point_id\n");
+    file_.write("observer,point_id\n");
   }
 
   /// Adds the points that observer `number`, from 1, sees.
@@ -48,16 +48,14 @@ class SeenList {
       text += fmt::format_int(id).str();
       text += '\n';
       if (text.size() < k_enough) continue;
-      put(text);
+      file_.write(text);
       text.clear();
     }
-    put(text);
+    file_.write(text);
   }
   void finish() { file_.commit(); }
 
  private:
-  void put(const std::string& text) { file_.write(std::as_bytes(std::span(text))); }
-
   OutputFile file_;
 };
 

@@ -173,9 +173,8 @@ Row line_obstructions(const LineTable& table, std::size_t line) {
 }
 
 void write_csv(const LineTable& table, OutputFile& file) {
-  write_text(file, csv_names(line_row(table, 0)));
-  for (std::size_t line = 0; line < table.pairs.size(); ++line)
-    write_text(file, csv_values(line_row(table, line)));
+  file.write(csv_names(line_row(table, 0)));
+  for (std::size_t line = 0; line < table.pairs.size(); ++line) file.write(csv_values(line_row(table, line)));
 }
 
 void write_json(const LineTable& table, const RowFileHead& head, OutputFile& file) {
