@@ -11,8 +11,8 @@ namespace alidade::database {
 
 /// A table of a PostgreSQL server, named as
 ///   postgresql://[USER@][HOST][:PORT]/DATABASE?table=NAME[&schema=NAME][&KEYWORD=VALUE]...
-/// or postgres://... Every part may be percent-encoded. Keywords other than table and schema are parameters of
-/// libpq ("host" may be a folder with a socket). Omitted parts have libpq's defaults (PGHOST and so on).
+/// or postgres://... Every part may be percent-encoded. Keywords other than table and schema are parameters
+/// of libpq ("host" may be a folder with a socket). Omitted parts have libpq's defaults (PGHOST and so on).
 struct ServerName {
   /// Keywords and values for libpq, as given. If a keyword is repeated, the last value is used.
   std::vector<std::pair<std::string, std::string>> parameters;
