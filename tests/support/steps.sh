@@ -3,6 +3,7 @@
 
 step_rows=()
 failed_steps=0
+left_out=0
 step_logs=$(mktemp -d)
 trap 'rm -rf -- "$step_logs"' EXIT
 # How compilers, tests and sanitizers mark what went wrong.
@@ -31,6 +32,19 @@ step() {
   printf -- '---- %s: %s\n' "$name" "$result"
 }
 
+# step_before SECOND NAME COMMAND...: a step that is left out, aloud, if that many seconds have passed.
+step_before() {
+  local second=$1
+  shift
+  if ((SECONDS < second)); then
+    step "$@"
+    return
+  fi
+  left_out=$((left_out + 1))
+  step_rows+=("$(printf '%-36s left out' "$1")")
+  printf -- '\n---- %s: left out after %d s, see ./dev nightly\n' "$1" "$SECONDS"
+}
+
 # What failed steps said, once more: whoever sees only the end of a long output still learns what broke.
 tell_failures() {
   local log
@@ -50,6 +64,10 @@ summary() {
   if ((failed_steps > 0)); then
     printf '\n%d of %d steps FAILED in %d s\n' "$failed_steps" "${#step_rows[@]}" "$SECONDS"
     return 1
+  fi
+  if ((left_out > 0)); then
+    printf '\n%d steps passed in %d s, %d left out\n' "$((${#step_rows[@]} - left_out))" "$SECONDS" "$left_out"
+    return
   fi
   printf '\nall %d steps passed in %d s\n' "${#step_rows[@]}" "$SECONDS"
 }
