@@ -18,7 +18,7 @@ class RecentlyUsed {
   RecentlyUsed(const RecentlyUsed&) = delete;
   RecentlyUsed& operator=(const RecentlyUsed&) = delete;
 
-  /// The value of a key, which becomes the most recently used one; null if there is none.
+  /// The value of a key, or null. It becomes the most recently used one.
   Value* find(const Key& key) {
     const auto found = entries_.find(key);
     if (found == entries_.end()) return nullptr;

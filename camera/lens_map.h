@@ -59,7 +59,7 @@ class LensMap {
   /// Film position of a point in the camera's axes. Empty if the lens does not see it: behind the camera or,
   /// with distortion, beyond the radius where the lens folds over.
   std::optional<glm::dvec2> project(const glm::dvec3& point) const;
-  /// The ray that project() maps to this film position; empty if there is none.
+  /// The ray that project() maps to this film position; empty where no ray does.
   std::optional<LensRay> unproject(const glm::dvec2& film) const;
 
  private:

@@ -207,7 +207,7 @@ TriangleTree::Walk TriangleTree::walk_of(const Ray& ray) const {
   return {ray, ray.origin - middle_};
 }
 
-/// The hit of a triangle, without its normal; empty if there is none. t is clamped to the triangle's box,
+/// The hit of a triangle, without its normal; empty if the ray misses. t is clamped to the triangle's box,
 /// because rounding may move it outside if the ray grazes the plane.
 std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t slot) const {
   const TriangleMesh::Triangle& triangle = triangles_[slot];

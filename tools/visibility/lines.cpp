@@ -45,7 +45,7 @@ struct LineSet {
   bool are_pairs = false;  ///< first and second end of each line in turn; otherwise every pair is a line
 };
 
-/// The position that an end is named for. Errors: there is none of that name.
+/// The position with the name of an end. Errors: no position has it.
 const visibility::Observer& position_called(const std::map<std::string, const visibility::Observer*>& by_name,
                                             const visibility::GivenObserver& end) {
   const auto found = by_name.find(end.name);
