@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/octree/as_brute_force.h"
+#include "tests/octree/explain.h"
 
 namespace alidade {
 namespace {
@@ -210,6 +211,7 @@ TEST(BadQuery, an_empty_cloud_answers_nothing) {
     EXPECT_FALSE(occluded(octree, Cone{good_ray(), 1.0, 1.0}));
     const std::vector<Ray> rays(3, good_ray());
     EXPECT_EQ(find(octree, rays, {.radius = 1.0}).size(), 3u);
+    EXPECT_EQ(explain(octree, good_ray(), {.radius = 1.0}).statistics, QueryStatistics{});
   }
 }
 

@@ -174,7 +174,7 @@ TEST_F(Pruned, a_counter_stops_when_it_has_enough) {
   EXPECT_LT(until_first.points_tested, until_end.points_tested / 4);
 }
 
-TEST(Explain, gives_the_answers_of_find) {
+TEST(TreeQuery, gives_the_answers_of_find) {
   const PointFamily family = point_families().back();
   const Octree octree = build(family.cloud);
   Random random;
