@@ -61,10 +61,6 @@ TEST_F(OutputTest, file_that_is_read_is_never_replaced_whatever_it_is_called) {
   std::filesystem::create_symlink("positions.csv", folder / "link.csv");
   std::filesystem::create_hard_link(folder / "positions.csv", folder / "twin.csv");
   const Words query = {"query", "cloud.png", "--points", "positions.csv", "--overwrite", "-o"};
-  const auto with = [](Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-  };
   for (const Words& words :
        {with(query, {"positions.csv"}), with(query, {"./positions.csv"}),
         with(query, {"sub/../positions.csv"}), with(query, {(folder / "positions.csv").string()}),
