@@ -82,8 +82,7 @@ void measure(const char* what, int repeats, const std::function<double()>& work)
 }
 
 void run(int width, int height, int repeats) {
-  std::printf("| %d x %d | median s | of all processors | MB beside the pictures | figure |\n", width,
-              height);
+  std::printf("| %d x %d | median s | of all processors | MB beside the images | figure |\n", width, height);
   std::printf("|---|--:|--:|--:|--:|\n");
   {
     const Pair pair = pair_of(width, height, ColorEncoding::display);
@@ -93,7 +92,7 @@ void run(int width, int height, int repeats) {
             [&] { return error_metrics(pair.reference, pair.test, ColorEncoding::linear).psnr; });
     measure("SSIM and MS-SSIM", repeats, [&] { return similarity(pair.reference, pair.test).ssim; });
     measure("FLIP", repeats, [&] { return flip(pair.reference, pair.test).mean; });
-    std::printf("| process with two pictures | | | %.0f | |\n",
+    std::printf("| process with two images | | | %.0f | |\n",
                 1e-6 * static_cast<double>(bench::process_memory().peak));
   }
   const Pair pair = pair_of(width, height, ColorEncoding::linear);
