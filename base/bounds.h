@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
 
@@ -52,6 +54,11 @@ inline std::array<glm::dvec3, 8> corners(const Bounds& bounds) {
 inline Bounds joined(Bounds a, const Bounds& b) {
   a.grow(b);
   return a;
+}
+
+/// Distance from a position to a box that is not empty, 0 inside.
+inline double distance_to(const Bounds& box, const glm::dvec3& position) {
+  return glm::distance(position, glm::clamp(position, box.min, box.max));
 }
 
 /// Whether two boxes have a point in common, faces included. False if one is empty or a face is not a

@@ -51,6 +51,16 @@ std::string_view trim(std::string_view text) {
   return text;
 }
 
+std::string shell_word(std::string_view word) {
+  constexpr std::string_view k_plain =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.:/,+@";
+  if (!word.empty() && word.find_first_not_of(k_plain) == std::string_view::npos) return std::string(word);
+  std::string quoted = "'";
+  for (const char character : word)
+    quoted += character == '\'' ? std::string("'\\''") : std::string(1, character);
+  return quoted + "'";
+}
+
 std::optional<double> parse_number(std::string_view word) {
   if (word.starts_with('+')) {
     word.remove_prefix(1);

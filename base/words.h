@@ -78,6 +78,10 @@ std::optional<Whole> parse_count(std::string_view word) {
   return value;
 }
 
+/// `word` as POSIX shells and fish read it: as it is if it has only letters and digits of ASCII and any of
+/// _-.:/,+@ (and is not empty), else in quotes.
+std::string shell_word(std::string_view word);
+
 /// Text of a URL with its %XX replaced; empty if one is no code of a character, or means NUL.
 std::optional<std::string> percent_decoded(std::string_view text);
 

@@ -99,12 +99,6 @@ std::optional<LengthUnit> unit_of_key(const Crs& crs, std::uint16_t key) {
 
 constexpr std::uint16_t k_plane_units_key = 3076, k_heights_key = 4096, k_height_units_key = 4099;
 
-/// All of a system as WKT; empty if its keys are not supported.
-std::string whole_wkt(const Crs& crs) {
-  if (!crs.wkt.empty() || crs.empty() || crs_library().wkt == nullptr) return crs.wkt;
-  return crs_library().wkt(crs);
-}
-
 /// A WKT without the code of its outermost system.
 std::string without_codes(std::string_view wkt) {
   std::string kept;

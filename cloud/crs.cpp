@@ -162,6 +162,11 @@ const CrsLibrary& crs_library() {
   return used_library();
 }
 
+std::string whole_wkt(const Crs& crs) {
+  if (!crs.wkt.empty() || crs.empty() || crs_library().wkt == nullptr) return crs.wkt;
+  return crs_library().wkt(crs);
+}
+
 std::optional<std::uint16_t> geotiff_value(const Crs& crs, std::uint16_t key) {
   return value_of_key(crs, key, [](std::uint16_t) { return true; });
 }

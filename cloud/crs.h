@@ -97,6 +97,10 @@ void use_crs_library(const CrsLibrary& library);
 /// The library in use; both functions are null before use_crs_library().
 const CrsLibrary& crs_library();
 
+/// All of a system as WKT: that of the file, or that of its GeoTIFF keys by the library. Empty if the system
+/// is unknown, or its keys are not supported.
+std::string whole_wkt(const Crs& crs);
+
 /// The first value of a GeoTIFF key that is stored in the directory itself.
 std::optional<std::uint16_t> geotiff_value(const Crs& crs, std::uint16_t key);
 

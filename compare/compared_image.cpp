@@ -7,17 +7,14 @@
 #include <functional>
 
 #include "base/parallel.h"
+#include "image/read_image.h"
 #include "image/srgb.h"
 
 namespace alidade::compare {
 namespace {
 
-std::string size_text(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height);
-}
-
 std::string text_of(const ComparedImage& image) {
-  std::string text = size_text(image.width, image.height);
+  std::string text = image::size_text({image.width, image.height});
   if (image.origin_x != 0 || image.origin_y != 0)
     text += " at " + std::to_string(image.origin_x) + "," + std::to_string(image.origin_y);
   return text;
@@ -170,7 +167,8 @@ void keep_light(ImageMask& mask, const ComparedImage& mask_image, const Compared
   // Masks are often drawn in formats without a data window, so only the size must be that of the image.
   if (mask_image.width != image.width || mask_image.height != image.height) {
     throw SizeMismatch(mask_image.file.string(), {}, "the mask size differs from " + image.file.string(),
-                       size_text(image.width, image.height), size_text(mask_image.width, mask_image.height));
+                       image::size_text({image.width, image.height}),
+                       image::size_text({mask_image.width, mask_image.height}));
   }
   if (!has_color(mask_image)) {
     throw Error(mask_image.file.string(), {}, "the mask has no colour",

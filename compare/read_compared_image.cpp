@@ -117,7 +117,7 @@ ChannelIndices indices_of(const OIIO::ImageSpec& spec, bool has_named_channels) 
 void check(const OIIO::ImageSpec& spec, const std::filesystem::path& file) {
   if (spec.deep || spec.depth > 1) fail(file, "not a flat image", "one value per channel and pixel");
   if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "the image has no pixels");
-  const std::string found = std::to_string(spec.width) + " x " + std::to_string(spec.height);
+  const std::string found = image::size_text({spec.width, spec.height});
   const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
   if (count > k_most_compared_pixels)
     fail(file, "too large to compare", "at most " + std::to_string(k_most_compared_pixels) + " pixels",
@@ -390,7 +390,7 @@ ComparedImage resized(const ComparedImage& image, int width, int height) {
   if (width < 1 || height < 1 || pixels > k_most_compared_pixels) {
     throw Error(image.file.string(), {}, "cannot resize the image",
                 "a size of 1 to " + std::to_string(k_most_compared_pixels) + " pixels",
-                std::to_string(width) + " x " + std::to_string(height));
+                image::size_text({width, height}));
   }
   ComparedImage result = in_size(image, width, height);
   if (!image.color.empty()) result.color = filtered(image, image.color, 3, width, height);

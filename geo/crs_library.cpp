@@ -98,7 +98,7 @@ CrsAgreement compare_heights(const Crs& a, const std::string& wkt_a, const Crs& 
 
 }  // namespace
 
-std::string whole_wkt(const Crs& crs) {
+std::string library_wkt(const Crs& crs) {
   const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
   const std::string wkt = wkt_of(crs);
   if (!crs.wkt.empty()) return wkt;
@@ -111,7 +111,7 @@ std::string whole_wkt(const Crs& crs) {
 std::optional<CrsAgreement> compare_systems(const Crs& a, const Crs& b) {
   using enum CrsAgreement;
   const QuietGdal quiet;
-  const std::string wkt_a = whole_wkt(a), wkt_b = whole_wkt(b);
+  const std::string wkt_a = library_wkt(a), wkt_b = library_wkt(b);
   const GdalReference one = reference_of_wkt(wkt_a), other = reference_of_wkt(wkt_b);
   if (!one || !other) return std::nullopt;
   if (OSRIsSame(one.get(), other.get()) != 0) return same;

@@ -13,7 +13,7 @@ namespace alidade::geo {
 /// All of a system as WKT: that of the file, or that of its GeoTIFF keys, with their heights. Where a key
 /// states the unit of heights, it overrides that of the vertical system's code: programs write both, and mean
 /// the unit. Empty if it is missing or invalid.
-std::string whole_wkt(const Crs& crs);
+std::string library_wkt(const Crs& crs);
 
 /// Whether two systems are one, whatever their names, the order of their axes and how they are written.
 /// `different`: x and y differ; or the unit of heights does, where one that is not stated is that of x and y;

@@ -363,7 +363,7 @@ bool is_worth_repeating(const HttpAnswer& answer, bool is_open) {
 
 }  // namespace
 
-HttpTraffic http_traffic() {
+RemoteTraffic http_traffic() {
   return {requests_in_all, bytes_in_all};
 }
 

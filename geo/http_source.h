@@ -13,18 +13,15 @@
 #include <vector>
 
 #include "base/scratch_file.h"
+#include "geo/remote_file.h"
 
 namespace alidade::geo {
 
 enum class HttpPart { bytes, headers };
 struct HttpAnswer;
 
-struct HttpTraffic {
-  std::uint64_t requests = 0;  ///< also those that were repeated
-  std::uint64_t bytes = 0;     ///< of the bodies
-};
-/// Of all requests of the process.
-HttpTraffic http_traffic();
+/// Of all HTTP requests of the process; bytes are those of the bodies.
+RemoteTraffic http_traffic();
 
 /// Where the answer of a server without ranges is in a temporary file.
 struct WholeFile {

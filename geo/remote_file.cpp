@@ -374,8 +374,7 @@ std::unique_ptr<RemoteFile> open_remote_file(const std::string& name, const Remo
 }
 
 RemoteTraffic remote_traffic() {
-  const HttpTraffic from_web = http_traffic();
-  RemoteTraffic traffic{from_web.requests, from_web.bytes};
+  RemoteTraffic traffic = http_traffic();
   const std::unique_ptr<char, decltype(&VSIFree)> text(VSINetworkStatsGetAsSerializedJSON(nullptr), &VSIFree);
   CPLJSONDocument document;
   if (!text || !document.LoadMemory(text.get())) return traffic;

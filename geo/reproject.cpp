@@ -29,7 +29,7 @@ GdalReference reference_of_text(const std::string& text) {
 }
 
 GdalReference reference_of_file(const Crs& crs, const std::filesystem::path& file) {
-  const std::string wkt = whole_wkt(crs);
+  const std::string wkt = library_wkt(crs);
   if (wkt.empty())
     throw file_error(file, "cannot reproject: the reference system is unknown",
                      "--crs EPSG:n, which states it");
@@ -156,7 +156,7 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
   GdalReference to = reference_of_text(request.wanted);
   const GdalReference from = reference_of_file(change.crs, file);
   if (request.has_one_unit) to = with_one_unit(std::move(to));
-  const AxisUnits units = axis_units(change.crs, whole_wkt(change.crs));
+  const AxisUnits units = axis_units(change.crs, library_wkt(change.crs));
   const std::optional<LengthUnit> stated = height_unit_of_file(change.crs, units, request.height_unit, file);
   const bool to_heights = has_heights(to), from_centre = OSRIsGeocentric(from.get()) != 0,
              to_centre = OSRIsGeocentric(to.get()) != 0;

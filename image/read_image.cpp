@@ -20,10 +20,6 @@ namespace {
 constexpr std::uint64_t k_most_pixels_per_byte = 4096;
 constexpr float k_infinite_light = 65504.0f, k_most_light = 1e9f;
 
-std::string size_text(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height);
-}
-
 /// Errors: not a flat image, a cut-out, or more pixels than these or than the file can hold.
 struct ImageLimits {
   std::string content;
@@ -37,7 +33,7 @@ void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const ImageLimi
     throw file_error(file, "not a flat image", "one value per channel and pixel");
   if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
     throw file_error(file, "the image has no pixels");
-  const std::string found = size_text(spec.width, spec.height);
+  const std::string found = size_text({spec.width, spec.height});
   const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
   if (count > limits.pixels)
     throw file_error(file, "too large for a " + limits.content, limits.pixels_text, found);
@@ -49,7 +45,7 @@ void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const ImageLimi
                         spec.height == spec.full_height;
   if (!is_whole) {
     throw file_error(file, "the image is a crop",
-                     "all " + size_text(spec.full_width, spec.full_height) + " pixels", found);
+                     "all " + size_text({spec.full_width, spec.full_height}) + " pixels", found);
   }
 }
 

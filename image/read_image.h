@@ -46,6 +46,9 @@ struct ImageSize {
   bool operator==(const ImageSize&) const = default;
 };
 
+/// "640 x 480", for messages.
+std::string size_text(const ImageSize& size);
+
 /// The pixels of a photo as they are displayed, 8 bits each, row 0 on top.
 struct PhotoPixels {
   ImageSize size{};

@@ -7,7 +7,7 @@
 /// The functions with which python/module.cpp compares reference systems and reads their codes.
 extern "C" [[gnu::visibility("default")]] const alidade::CrsLibrary* alidade_crs_library() {
   static constexpr alidade::CrsLibrary library{.compare = &alidade::geo::compare_systems,
-                                               .wkt = &alidade::geo::whole_wkt};
+                                               .wkt = &alidade::geo::library_wkt};
   return &library;
 }
 

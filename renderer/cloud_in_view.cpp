@@ -76,10 +76,6 @@ class ViewCone {
   double half_angle_;
 };
 
-double distance_to(const Bounds& box, const glm::dvec3& position) {
-  return glm::distance(position, glm::clamp(position, box.min, box.max));
-}
-
 struct CandidateNode {
   double spacing;  ///< of its points in the image, in any unit
   std::size_t file;

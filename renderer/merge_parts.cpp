@@ -127,7 +127,7 @@ void check_finished(const PartHead& head) {
 /// Errors: the two are not of the same image.
 void check_same(const PartHead& head, const PartHead& first) {
   if (head.part.count != first.part.count) {
-    throw file_error(head.file, "this part belongs to another division of the picture",
+    throw file_error(head.file, "this part belongs to another division of the image",
                      fmt::format("one of {} parts, as {}", first.part.count, first.file),
                      fmt::format("part {}", part_text(head.part)));
   }
@@ -194,7 +194,7 @@ void check_bytes(const std::map<int, PartHead>& parts) {
   std::uint64_t found = 0;
   for (const auto& [number, head] : parts) found += head.file_bytes - head.head_bytes;
   if (found >= expected) return;
-  throw file_error(first.file, "corrupt part: the parts have fewer bytes than the picture",
+  throw file_error(first.file, "corrupt part: the parts have fewer bytes than the image",
                    fmt::format("at least {}", expected), std::to_string(found));
 }
 

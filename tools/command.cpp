@@ -216,7 +216,7 @@ ExitCode run_program(const CommandLine& command_line) {
     return loaded_image_module().open_remote_file(name, options);
   });
   use_crs_library({.compare = [](const Crs& a, const Crs& b) { return image_module().compare_systems(a, b); },
-                   .wkt = [](const Crs& crs) { return image_module().whole_wkt(crs); }});
+                   .wkt = [](const Crs& crs) { return image_module().library_wkt(crs); }});
   Parser parser;
   const Options program = parser.program();
   const std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),

@@ -48,7 +48,7 @@ struct ImageModule {
   decltype(&geo::is_raster) is_raster = &geo::is_raster;
   decltype(&geo::read_heights) read_heights = &geo::read_heights;
   decltype(&geo::compare_systems) compare_systems = &geo::compare_systems;
-  decltype(&geo::whole_wkt) whole_wkt = &geo::whole_wkt;
+  decltype(&geo::library_wkt) library_wkt = &geo::library_wkt;
   decltype(&geo::read_polygons) read_polygons = &geo::read_polygons;
   decltype(&geo::lon_lat) lon_lat = &geo::lon_lat;
   decltype(&geo::change_reference) change_reference = &geo::change_reference;

@@ -121,13 +121,6 @@ void for_each_command(const CommandEntry& command, const Visit& visit) {
   for (const CommandEntry& part : command.parts) for_each_command(part, visit);
 }
 
-std::string shell_quoted(std::string_view text) {
-  std::string quoted = "'";
-  for (const char character : text)
-    quoted += character == '\'' ? std::string("'\\''") : std::string(1, character);
-  return quoted + "'";
-}
-
 /// The first clause of a help text, for lists of completions.
 std::string brief(const std::string& help) {
   const std::size_t end = std::min({help.find(';'), help.find(" ("), help.find(": "), help.size()});
@@ -258,21 +251,21 @@ std::string fish_completion(const CommandEntry& program) {
       const std::string none = fmt::format("not __fish_seen_subcommand_from {}", fmt::join(parts, " "));
       for (const std::string& word : part.words)
         text += fmt::format("complete -c alidade -n {} -a {} -d {}\n",
-                            shell_quoted(condition.empty() ? none : condition + "; and " + none), word,
-                            shell_quoted(part.description));
+                            shell_word(condition.empty() ? none : condition + "; and " + none), word,
+                            shell_word(part.description));
     }
     for (const OptionEntry& option : command.options) {
       if (option.is_operand) continue;
       text += "complete -c alidade";
-      if (!condition.empty()) text += " -n " + shell_quoted(condition);
+      if (!condition.empty()) text += " -n " + shell_word(condition);
       for (const std::string& name : option.names)
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       const std::vector<std::string> choices = choices_of(option);
       if (!choices.empty())
-        text += fmt::format(" -x -a {}", shell_quoted(fmt::format("{}", fmt::join(choices, " "))));
+        text += fmt::format(" -x -a {}", shell_word(fmt::format("{}", fmt::join(choices, " "))));
       else if (!option.kind.empty())
         text += " -r";
-      text += " -d " + shell_quoted(brief(option.help)) + "\n";
+      text += " -d " + shell_word(brief(option.help)) + "\n";
     }
   });
   return text;

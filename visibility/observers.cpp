@@ -79,16 +79,6 @@ void check_view(const std::string& source, const Observer& observer) {
 /// Observers are not remarked on up to this distance outside the cloud, metres, however small it is.
 constexpr double k_never_far = 100.0;
 
-/// Distance to a box, 0 inside.
-double distance_to(const Bounds& box, const glm::dvec3& position) {
-  double sum = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double outside = std::max({box.min[axis] - position[axis], position[axis] - box.max[axis], 0.0});
-    sum += outside * outside;
-  }
-  return std::sqrt(sum);
-}
-
 /// Whether there are points near a position in plan, all of them above it.
 bool is_below_all(const Octree& octree, const glm::dvec3& position) {
   constexpr double k_far = std::numeric_limits<double>::infinity(), k_largest_reach = 16.0;

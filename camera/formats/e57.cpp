@@ -102,7 +102,7 @@ std::vector<E57Photo> e57_photos(const E57Document& document, std::vector<std::s
   }
   if (photos.size() < representations) {
     warnings.push_back(fmt::format(
-        "skipped {} of {} pictures without a camera: visual references, cylindrical pictures, invalid sizes",
+        "skipped {} of {} images without a camera: visual references, cylindrical images, invalid sizes",
         representations - photos.size(), representations));
   }
   if (without_pose > 0) {

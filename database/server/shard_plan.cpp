@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cctype>
 #include <functional>
 #include <vector>
 
 #include "base/bounds.h"
 #include "base/error.h"
 #include "base/output_file.h"
+#include "base/words.h"
 #include "database/server/copy_format.h"
 #include "database/server/server_name.h"
 #include "database/server/server_sql.h"
@@ -52,19 +52,6 @@ std::string box_check(const Bounds& box) {
                         box.min[axis], "xyz"[axis], box.max[axis]);
   }
   return text;
-}
-
-/// `word` quoted for a shell, whatever its characters.
-std::string shell_word(const std::string& word) {
-  const auto is_plain = [](unsigned char character) {
-    return std::isalnum(character) != 0 || character == '_' || character == '-' || character == '.' ||
-           character == ':';
-  };
-  if (std::ranges::all_of(word, is_plain)) return word;
-  std::string quoted = "'";
-  for (const char character : word)
-    quoted += character == '\'' ? std::string("'\\''") : std::string(1, character);
-  return quoted + "'";
 }
 
 std::string box_text(const Bounds& box) {

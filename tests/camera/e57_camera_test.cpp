@@ -125,10 +125,9 @@ TEST(E57Camera, photos_have_the_names_of_their_images_made_unique) {
   for (const E57Photo& photo : photos) names.push_back(photo.camera.name);
   EXPECT_EQ(names, (std::vector<std::string>{"north", "north_2", "north_3", "{7}", "image 5"}));
   EXPECT_EQ(photos[0].camera.camera.pose.position, glm::dvec3(10, 20, 30));
-  EXPECT_EQ(warnings,
-            (std::vector<std::string>{"skipped 1 of 6 pictures without a camera: visual references, "
-                                      "cylindrical pictures, invalid sizes",
-                                      "1 of 5 photos have no pose: using the axes of the file"}));
+  EXPECT_EQ(warnings, (std::vector<std::string>{"skipped 1 of 6 images without a camera: visual references, "
+                                                "cylindrical images, invalid sizes",
+                                                "1 of 5 photos have no pose: using the axes of the file"}));
 }
 
 TEST(E57Camera, an_e57_file_is_a_camera_file_if_it_has_photos) {

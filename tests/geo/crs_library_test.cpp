@@ -126,7 +126,7 @@ TEST(CompareSystemsTest, what_is_not_understood_is_not_compared) {
 
 TEST(WholeWktTest, keys_keep_their_heights_and_the_unit_that_they_state) {
   const auto units_of = [](const std::vector<std::uint16_t>& keys) {
-    const AxisUnits units = stated_units(crs_of_wkt(whole_wkt(crs_of_keys(keys))));
+    const AxisUnits units = stated_units(crs_of_wkt(library_wkt(crs_of_keys(keys))));
     return short_name(units.plane.value_or(LengthUnit{"-"})) + " " +
            short_name(units.heights.value_or(LengthUnit{"-", 2}));
   };
@@ -135,8 +135,8 @@ TEST(WholeWktTest, keys_keep_their_heights_and_the_unit_that_they_state) {
   EXPECT_EQ(units_of({1024, 1, 3072, 26910, 4096, 5703, 4099, 9003}), "m us-ft") << "the key states feet";
   EXPECT_EQ(units_of({1024, 1, 3072, 26910, 4099, 9002}), "m ft");
   EXPECT_EQ(units_of({1024, 1, 3072, 2994, 4096, 5703}), "ft m");
-  EXPECT_EQ(whole_wkt(crs_of_keys({3072, 32767})), "") << "GDAL invents a local system";
-  EXPECT_EQ(whole_wkt(crs_of_wkt("as it is")), "as it is");
+  EXPECT_EQ(library_wkt(crs_of_keys({3072, 32767})), "") << "GDAL invents a local system";
+  EXPECT_EQ(library_wkt(crs_of_wkt("as it is")), "as it is");
 }
 
 }  // namespace

@@ -73,18 +73,18 @@ TEST_F(FlightTest, without_ffmpeg_the_images_and_the_command_stay) {
   ::setenv("PATH", path.c_str(), 1);
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(contains(
-      result.err, "no film: the program ffmpeg is not installed; the 2 pictures are yard_frames/%05d.png"))
+      result.err, "no video: the program ffmpeg is not installed; the 2 images are yard_frames/%05d.png"))
       << result.err;
   EXPECT_TRUE(contains(result.err, "ffmpeg -loglevel error")) << result.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "yard_frames/00001.png"));
 }
 
 TEST_F(FlightTest, wrong_flights_are_errors) {
-  EXPECT_TRUE(contains(fly({"-o", "yard.mp4"}).err, "yard.mp4: a film requires a flight; expected --orbit"));
+  EXPECT_TRUE(contains(fly({"-o", "yard.mp4"}).err, "yard.mp4: a video requires a flight; expected --orbit"));
   EXPECT_TRUE(contains(fly({"--orbit", "--panorama", "0,0,5", "-o", "a_%d.png"}).err,
                        "--orbit and --keyframes are cameras of their own"));
-  EXPECT_TRUE(
-      contains(fly({"--orbit", "--size", "25x16", "-o", "yard.mp4"}).err, "the size of a film must be even"));
+  EXPECT_TRUE(contains(fly({"--orbit", "--size", "25x16", "-o", "yard.mp4"}).err,
+                       "the size of a video must be even"));
   EXPECT_TRUE(contains(fly({"--orbit", "-o", "yard.png"}).err, "%04d"));
   EXPECT_EQ(names(), (std::vector<std::string>{"square.xyz"}));
 }

@@ -178,7 +178,7 @@ TEST_F(MergeTest, missing_and_foreign_parts_are_errors_that_name_them) {
   rejects(with(k_render, {"--size=81x60"}), "1/5", another + "camera");
   rejects(with(k_render, {"--exposure=1"}), "1/5", another + "exposure 1, a.png.part5of5 has ");
   rejects(with(k_render, {"--sun=135,20"}), "1/5", another);
-  rejects(k_render, "1/4", "this part belongs to another division of the picture; expected one of 5 parts");
+  rejects(k_render, "1/4", "this part belongs to another division of the image; expected one of 5 parts");
   write("square.xyz", read("square.xyz") + "101 201 6\n");
   rejects(k_render, "1/5", another + "number of points");
   // The name of the image may be another one.

@@ -85,7 +85,7 @@ const std::vector<Mistake> k_mistakes = {
      {"a.png: 150 cameras, but one output name (--camera-name selects one camera)",
       "expected one %04d (number), %s or %f (name) in the output na"}},
     {{"render", "c.las", "-o", "a.mp4"},
-     {"a.mp4: a film requires a flight", "expected --orbit, or --keyframes FILE"}},
+     {"a.mp4: a video requires a flight", "expected --orbit, or --keyframes FILE"}},
     {{"renderr", "c.las", "-o", "a.png"}, {"unknown command 'renderr'; did you mean 'render'?"}},
     {{"render", "c.las", "--outptu", "a.png"}, {"unknown option '--outptu'; did you mean '--output'?"}},
     {{"render", "c.las", "-o"}, {"--output: missing value", "expected --output FILE"}},

@@ -278,10 +278,10 @@ TEST_F(RenderDepthTest, mistakes_are_errors_before_the_work) {
   expect({"--depth", "nowhere/a.npy"}, "nowhere/a.npy: cannot write the file: no such folder");
   expect({"--depth", "a.png", "-o", "other/../a.png"}, "a.png: two outputs have this name");
   expect({"--depth", "a.png", "--depth-mask", "a.png"}, "a.png: two outputs have this name");
-  expect({"--depth", "a.npy", "--layers", "depth"}, "--layers requires a picture; expected -o FILE");
-  expect({"--depth", "a.npy", "--time-limit", "1"}, "--time-limit requires a picture");
-  expect({"--depth", "a.npy", "--part", "1/2"}, "--part requires a picture");
-  expect({"--depth", "a.npy", "--preview", "p.png"}, "--preview requires a picture");
+  expect({"--depth", "a.npy", "--layers", "depth"}, "--layers requires an image; expected -o FILE");
+  expect({"--depth", "a.npy", "--time-limit", "1"}, "--time-limit requires an image");
+  expect({"--depth", "a.npy", "--part", "1/2"}, "--part requires an image");
+  expect({"--depth", "a.npy", "--preview", "p.png"}, "--preview requires an image");
   expect({"--depth", "a.npy", "--camera", "model"}, "a.npy: 2 cameras, but one output name");
   expect({"--depth", "%s.npy", "--depth-mask", "m.png", "--camera", "model"}, "m.png: 2 cameras");
   expect({"--depth", "a.npy", "--transforms-out", "t.json"},

@@ -267,11 +267,6 @@ Json coordinates(const glm::dvec3& position) {
   return triple(plain);
 }
 
-/// The whole system as WKT, also if the files have GeoTIFF keys; empty if it is unknown.
-std::string wkt_of(const Crs& crs) {
-  return crs.wkt.empty() && !crs.empty() ? crs_library().wkt(crs) : crs.wkt;
-}
-
 /// "m", "us-ft", "deg", or empty if it is unknown.
 struct UnitNames {
   std::string plane, height;
@@ -312,7 +307,7 @@ Json to_json(const Description& description, bool verified) {
                         {"position", triple(scanner.position)},
                         {"depth_camera", scanner.axes.has_value()}});
   const bool empty = description.bounds.empty();
-  const std::string wkt = wkt_of(cloud.crs);
+  const std::string wkt = whole_wkt(cloud.crs);
   const UnitNames units(cloud.crs);
   const auto unit = [](const std::string& name) { return name.empty() ? Json() : Json(name); };
   Json json = {{"points", description.point_count},
@@ -387,7 +382,7 @@ std::string scanner_rows(std::span<const ScannerPosition> scanners) {
 std::string crs_text(const Crs& crs, Verbosity verbosity) {
   if (!crs.wkt.empty()) return verbosity == Verbosity::verbose ? crs.wkt : crs_name(crs);
   if (crs.geotiff_keys.empty()) return "none";
-  const std::string codes = "GeoTIFF keys, " + joined(epsg_codes(crs), "no EPSG code"), wkt = wkt_of(crs);
+  const std::string codes = "GeoTIFF keys, " + joined(epsg_codes(crs), "no EPSG code"), wkt = whole_wkt(crs);
   if (wkt.empty()) return "unknown: " + codes;
   if (verbosity == Verbosity::verbose) return wkt;
   return fmt::format("{} ({})", crs_name(crs_of_wkt(wkt)), codes);

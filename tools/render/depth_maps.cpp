@@ -168,7 +168,7 @@ void add_depth_options(const Options& render, DepthRequest& request) {
   const Option depth = render.file(
       "--depth", "FILE",
       "depth map: .png (16 bit), .exr, .npy, .tif or .bin (COLMAP); 0 where there is no point. Without -o no "
-      "picture is rendered. For a set of cameras with %04d, %s or %f, as -o",
+      "image is rendered. For a set of cameras with %04d, %s or %f, as -o",
       request.file);
   const Options more = render.needs(depth);
   more.choice("--depth-format", "format, for a name with its extension (default: by the extension)",

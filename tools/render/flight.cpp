@@ -42,24 +42,20 @@ std::optional<int> run_encoder(const std::vector<std::string>& words) {
   return code == 127 ? std::nullopt : std::optional(code);
 }
 
-std::string shell_word(const std::string& word) {
-  return word.find_first_of(" '%()&;$*?") == std::string::npos ? word : "'" + word + "'";
-}
-
 }  // namespace
 
 void add_flight_options(const Options& render, FlightRequest& request) {
   const Options group = render.group("Flights");
   const Option orbit = group.flag(
-      "--orbit", "fly once around the whole cloud: pictures for -o yard_%04d.png, or a film for -o yard.mp4",
+      "--orbit", "fly once around the whole cloud: images for -o yard_%04d.png, or a video for -o yard.mp4",
       request.orbits);
   group.excludes(orbit).file(
       "--keyframes", "FILE|FOLDER",
       "fly on a smooth way through these cameras, of the same files as --camera; a trajectory "
       "as CSV may have the columns x,y,z,look_at_x,look_at_y,look_at_z",
       request.keyframes);
-  group.count("--frames", "N", "pictures of a flight, 2 to 100000 (default 150)", request.frames, 2, 100'000);
-  group.number("--frame-rate", "N", "pictures per second of a film, 1 to 240 (default 25)", request.rate, 1.0,
+  group.count("--frames", "N", "images of a flight, 2 to 100000 (default 150)", request.frames, 2, 100'000);
+  group.number("--frame-rate", "N", "images per second of a video, 1 to 240 (default 25)", request.rate, 1.0,
                240.0);
 }
 
@@ -69,23 +65,23 @@ void take_video(FlightRequest& request, const CameraRequest& camera, std::filesy
     throw input_error("--orbit and --keyframes are cameras of their own",
                       "no --camera, --panorama and --orthographic beside them");
   if (!is_video(output)) return;
-  if (!request.given()) throw file_error(output, "a film requires a flight", "--orbit, or --keyframes FILE");
+  if (!request.given()) throw file_error(output, "a video requires a flight", "--orbit, or --keyframes FILE");
   if (camera.size && (camera.size->width % 2 != 0 || camera.size->height % 2 != 0))
-    throw file_error(output, "the size of a film must be even", "an even --size such as 1280x720",
+    throw file_error(output, "the size of a video must be even", "an even --size such as 1280x720",
                      fmt::format("{}x{}", camera.size->width, camera.size->height));
   check_output(output, overwrite);
   request.file = output;
   const std::filesystem::path folder = output.parent_path() / (output.stem().string() + "_frames");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw system_error(folder.string(), "cannot make the folder of the pictures", error.value());
+  if (error) throw system_error(folder.string(), "cannot make the folder of the images", error.value());
   output = folder / "%05d.png";
 }
 
 std::vector<View> flight_views(const FlightRequest& request, std::span<const View> keyframes) {
   if (keyframes.size() < 2)
     throw file_error(request.keyframes, "a flight requires two keyframes",
-                     "more cameras, or --camera for pictures");
+                     "more cameras, or --camera for images");
   std::vector<camera::Camera> cameras;
   for (const View& view : keyframes) cameras.push_back(view.camera);
   std::vector<View> views;
@@ -115,7 +111,7 @@ void write_video(const FlightRequest& request, std::span<const std::filesystem::
   if (request.file.empty()) return;
   // Beside the video, which appears under its name only when it is complete.
   const std::filesystem::path unfinished =
-      pattern.parent_path() / ("film" + request.file.extension().string());
+      pattern.parent_path() / ("video" + request.file.extension().string());
   std::vector<std::string> words = {
       "ffmpeg", "-loglevel",     "error", "-nostdin", "-y", "-framerate", fmt::format("{}", request.rate),
       "-i",     pattern.string()};
@@ -127,19 +123,19 @@ void write_video(const FlightRequest& request, std::span<const std::filesystem::
     words.back() = request.file.string();
     for (std::string& word : words) word = shell_word(word);
     say_warning(fmt::format(
-        "no film: the program ffmpeg is not installed; the {} pictures are {}, and this joins them: {}",
+        "no video: the program ffmpeg is not installed; the {} images are {}, and this joins them: {}",
         images.size(), pattern.string(), fmt::join(words, " ")));
     return;
   }
   if (*code != 0)
     throw file_error(request.file,
-                     fmt::format("ffmpeg ended with code {}; the pictures are {}", *code, pattern.string()));
+                     fmt::format("ffmpeg ended with code {}; the images are {}", *code, pattern.string()));
   check_output(request.file, overwrite);
   std::filesystem::rename(unfinished, request.file);
   for (const std::filesystem::path& image : images) std::filesystem::remove(image);
   std::error_code not_empty;
   std::filesystem::remove(pattern.parent_path(), not_empty);
-  say_note(verbosity, fmt::format("wrote {}, {} pictures of {:.1f} s", request.file.string(), images.size(),
+  say_note(verbosity, fmt::format("wrote {}, {} images of {:.1f} s", request.file.string(), images.size(),
                                   static_cast<double>(images.size()) / request.rate));
 }
 

@@ -126,7 +126,7 @@ void add_long_render_options(const Options& render, LongRenderRequest& request) 
       "before COPC files of more than 2 N points are loaded, the preview shows N points, those the "
       "camera sees best, then 8 N and so on (default 300000; 0: only the image itself)",
       request.preview_points, 0, k_most_preview_points);
-  add_checkpoint_options(render, request.checkpoint, "rewritten every minute", "picture");
+  add_checkpoint_options(render, request.checkpoint, "rewritten every minute", "image");
   render.excludes(time_limit)
       .excludes(target_noise)
       .excludes(preview)

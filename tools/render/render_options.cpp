@@ -270,7 +270,7 @@ void check_depth_alone(const RenderCommand& command) {
                                                 {"--target-noise", !!long_render.target_noise},
                                                 {"--part", !!long_render.part}};
   for (const auto& [option, is_given] : given)
-    if (is_given) throw input_error(fmt::format("{} requires a picture", option), "-o FILE beside --depth");
+    if (is_given) throw input_error(fmt::format("{} requires an image", option), "-o FILE beside --depth");
 }
 
 }  // namespace
@@ -337,7 +337,7 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   const bool is_site_or_mesh = command.exact_site || !command.meshes.empty();
   if (is_site_or_mesh && !scene.cloud && scene.render.mode == renderer::RenderMode::ambient_occlusion &&
       !scene.render.ao_distance)
-    throw input_error("a picture without a cloud requires a distance for ambient occlusion",
+    throw input_error("an image without a cloud requires a distance for ambient occlusion",
                       "--ao-distance METRES");
   // Enough to look at, and few seconds of work; limits by noise or time have their own end.
   const bool is_quick =
