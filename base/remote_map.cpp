@@ -24,7 +24,8 @@ namespace alidade {
 namespace {
 
 constexpr int k_fetching_threads = 4;
-constexpr std::uint64_t k_request_bytes = std::uint64_t{8} << 20;  ///< at most, or one block
+/// A request ends with the block that reaches this size.
+constexpr std::uint64_t k_request_bytes = std::uint64_t{8} << 20;
 
 std::uint64_t page_end(std::uint64_t offset) {
   return (offset + k_fault_page - 1) / k_fault_page * k_fault_page;

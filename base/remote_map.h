@@ -48,8 +48,8 @@ class RemoteMap {
   /// From this call on, whole blocks are fetched and checked; until then, pages are. Pages that were fetched
   /// before are not checked.
   virtual void set_blocks(BlockOf block_of, CheckBlock check) = 0;
-  /// Fetches the missing blocks of a part of bytes(), in requests of 8 MiB or one block. An error fails the
-  /// map.
+  /// Fetches the missing blocks of a part of bytes(), in requests that end with the block that reaches 8 MiB.
+  /// An error fails the map.
   virtual void fetch(std::span<const std::byte> bytes) noexcept = 0;
 
   /// Reads a byte of each page, so that all are fetched. For memory of any kind; cost: one read per 4096

@@ -254,7 +254,7 @@ void TriangleTree::for_slots(Walk& walk, const Visit& visit) const {
   waiting[count++] = {0, static_cast<std::uint32_t>(nodes_.size()), all.begin};
   while (count > 0) {
     Range range = waiting[--count];
-    // Not less than t_max: a triangle at an equal t may have a smaller number.
+    // Also if it begins at t_max: a triangle at an equal t may have a smaller number.
     bool is_met = range.entry <= walk.t_max;
     while (is_met && range.end - range.begin > 1) {
       const std::uint32_t middle = range.begin + (range.end - range.begin) / 2;

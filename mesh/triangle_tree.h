@@ -28,7 +28,7 @@ struct TriangleHit {
 /// Returns whether a hit counts. Called from many threads at once; must return the same for equal hits.
 using TriangleFilter = std::function<bool(const TriangleHit&)>;
 
-/// Finds the triangles of a mesh that rays meet. Triangles have two sides. Safe to use from many threads.
+/// Finds the triangles of a mesh that rays meet, from either side. Safe to use from many threads.
 ///
 /// The answer is that of a loop over all triangles, bit for bit: least t first, then least number. Edges
 /// and vertices belong to all their triangles, so that no ray passes between two adjacent ones.

@@ -77,8 +77,8 @@ class RayStream {
     }
     const Node& node = setup_.tree.nodes[frame.node];
     const Slots slots(node);
-    // Sets of slots (bits): those to visit, and leaves whose points have equal positions, so that one is
-    // tested.
+    // Sets of slots (bits): those to visit, and leaves whose points have equal positions, so that only the
+    // first is tested.
     unsigned wanted = slots.leaf | (frame.depth < traversed_.max_depth ? slots.inner : 0u), single = 0;
     if (frame.level == k_min_frame_level && (traversed_.skips_twins || traversed_.rejects_twins)) {
       const SamePositions same(node);
