@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Prints files and lines of each room, the longest sources and the shortest: a file is a module worth a name, 100 to 400
-# lines are normal. Fails where a production file has more than 600 lines.
+# Prints files and lines of each room, the longest sources and the shortest. Fails where a production file has more than
+# 600 lines.
 set -euo pipefail
 cd -- "$(dirname -- "$0")/../.."
 rooms=(base cloud octree mesh geo image camera renderer visibility compare database simulation tools)

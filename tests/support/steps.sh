@@ -32,11 +32,11 @@ step() {
   printf -- '---- %s: %s\n' "$name" "$result"
 }
 
-# step_before SECOND NAME COMMAND...: a step that is left out, aloud, if that many seconds have passed.
+# step_before SECONDS NAME COMMAND...: a step, or a line that it is left out if the script has run for that many seconds.
 step_before() {
-  local second=$1
+  local limit=$1
   shift
-  if ((SECONDS < second)); then
+  if ((SECONDS < limit)); then
     step "$@"
     return
   fi
