@@ -170,7 +170,8 @@ Node* simplify_comparison(const SupportRequestSimplify& request) {
   return operation(keeps, BOOLOID, point, folded);
 }
 
-/// Answers a request of the planner by simplify(request), or null for requests of other kinds.
+/// Answers a request of the planner by simplify(request); by null if it is of another kind, or for a function
+/// that the user has no right to execute.
 template <class Simplify>
 Datum answer(FunctionCallInfo fcinfo, const Simplify& simplify) {
   auto* const request = reinterpret_cast<Node*>(PG_GETARG_POINTER(0));

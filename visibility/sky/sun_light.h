@@ -29,7 +29,8 @@ struct LightSums {
 
 /// Light from a narrow range of directions. One line of sight decides whether a receiver gets it.
 struct LightBin {
-  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< unit mean of the directions of the sun, weighted by hours
+  /// Of the line: the unit mean of the sun's directions, weighted by hours; for the sky line_into_patch().
+  glm::dvec3 direction{0.0, 0.0, 1.0};
   struct Share {
     int period = 0;  ///< SunStep::period
     LightSums sums;
