@@ -92,8 +92,8 @@ class TriangleTree::Walk {
   int x_ = 0, y_ = 0, z_ = 0;
 };
 
-/// Builds the tree: sorts the triangles so that each range of blocks is halved along the longest side of its
-/// box.
+/// Builds the tree: sorts the triangles so that each range of blocks is halved along the longest side of the
+/// box of their centroids.
 class TriangleTree::Build {
  public:
   Build(TriangleTree& tree, const Progress& progress)
@@ -155,7 +155,7 @@ class TriangleTree::Build {
     return box;
   }
 
-  /// Sorts items as far as needed: those before `middle` come first along the longest axis.
+  /// Sorts items as far as needed: those before `middle` have the smaller centroids along that side.
   void cut(std::size_t begin, std::size_t middle, std::size_t end) {
     glm::vec3 low = items_[begin].corner_sum, high = low;
     for (std::size_t i = begin; i < end; ++i) {
@@ -207,8 +207,8 @@ TriangleTree::Walk TriangleTree::walk_of(const Ray& ray) const {
   return {ray, ray.origin - middle_};
 }
 
-/// The hit of a triangle, without its normal; empty if the ray misses. t is clamped to the triangle's box,
-/// because rounding may move it outside if the ray grazes the plane.
+/// The hit of a triangle, without its normal; empty if the ray misses it or t is not in [t_min, t_max]. t is
+/// clamped to the triangle's box, because rounding may move it outside if the ray grazes the plane.
 std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t slot) const {
   const TriangleMesh::Triangle& triangle = triangles_[slot];
   const glm::dvec3 &a = vertices_[triangle[0]], &b = vertices_[triangle[1]], &c = vertices_[triangle[2]];
