@@ -187,6 +187,10 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
   return pixels;
 }
 
+std::string size_text(const ImageSize& size) {
+  return std::to_string(size.width) + " x " + std::to_string(size.height);
+}
+
 ImageSize photo_size(const std::filesystem::path& file, const ImageBytes& bytes) {
   const OpenImage image = open_photo(file, bytes);
   return {image.spec().width, image.spec().height};
