@@ -82,6 +82,10 @@ function(alidade_room_tests room)
     ALIDADE_SOURCE_FOLDER="${PROJECT_SOURCE_DIR}" ALIDADE_BUILD_FOLDER="${PROJECT_BINARY_DIR}"
     ALIDADE_SHARED_DATA="${PROJECT_SOURCE_DIR}/../shared/data")
   alidade_compile_quickly(${program})
+  if(TARGET alidade_openimageio)
+    # Found beside the program that loads it, also under the sanitizers, which keep the loader from seeing run paths.
+    file(CREATE_LINK ${PROJECT_BINARY_DIR}/alidade_openimageio.so ${CMAKE_CURRENT_BINARY_DIR}/alidade_openimageio.so SYMBOLIC)
+  endif()
   if(ALIDADE_PRECOMPILE)
     target_precompile_headers(${program} REUSE_FROM alidade_test_headers)
   endif()

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Apart from compare/compared_image.cpp, since only this needs OpenImageIO. Without fmt, for the reason that
-// image/read_image.cpp gives.
 #include "compare/read_compared_image.h"
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
-#include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "image/backend.h"
 #include "image/read_image.h"
 
 namespace alidade::compare {
@@ -65,7 +61,8 @@ void turn_upright(ComparedImage& image, int orientation) {
   turn(image.ids, walk, width, height, 1);
 }
 
-constexpr int k_longest_text = 4096;
+/// Profiles and thumbnails are bytes, not texts.
+constexpr std::size_t k_longest_text = 4096;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& problem,
                        const std::string& expected = {}, const std::string& found = {}) {
@@ -85,27 +82,33 @@ struct ChannelIndices {
   }
 };
 
-std::array<int, 3> three(const OIIO::ImageSpec& spec, const std::array<const char*, 3>& names) {
+int index_of(const image::ImageHeader& header, std::string_view channel) {
+  const auto found = std::ranges::find(header.channel_names, channel);
+  return found == header.channel_names.end() ? -1 : static_cast<int>(found - header.channel_names.begin());
+}
+
+std::array<int, 3> three(const image::ImageHeader& header, const std::array<const char*, 3>& names) {
   std::array<int, 3> indices{};
-  for (std::size_t i = 0; i < 3; ++i) indices[i] = spec.channelindex(names[i]);
+  for (std::size_t i = 0; i < 3; ++i) indices[i] = index_of(header, names[i]);
   if (std::ranges::find(indices, -1) != indices.end()) return {-1, -1, -1};
   return indices;
 }
 
-ChannelIndices indices_of(const OIIO::ImageSpec& spec, bool has_named_channels) {
+ChannelIndices indices_of(const image::ImageHeader& header) {
+  const bool has_named_channels = header.format == "openexr";
   ChannelIndices indices;
-  indices.alpha = spec.channelindex("A");
-  indices.depth = spec.channelindex("Z");
-  indices.depth_sigma = spec.channelindex("depth.sigma");
-  indices.id = spec.channelindex("id");
-  indices.normal = three(spec, {"N.X", "N.Y", "N.Z"});
-  if (indices.normal[0] < 0) indices.normal = three(spec, {"Nx", "Ny", "Nz"});
-  indices.color = three(spec, {"R", "G", "B"});
+  indices.alpha = index_of(header, "A");
+  indices.depth = index_of(header, "Z");
+  indices.depth_sigma = index_of(header, "depth.sigma");
+  indices.id = index_of(header, "id");
+  indices.normal = three(header, {"N.X", "N.Y", "N.Z"});
+  if (indices.normal[0] < 0) indices.normal = three(header, {"Nx", "Ny", "Nz"});
+  indices.color = three(header, {"R", "G", "B"});
   // In formats without fixed names any three channels are colours.
-  if (indices.color[0] < 0 && !has_named_channels && spec.nchannels >= 3) indices.color = {0, 1, 2};
+  if (indices.color[0] < 0 && !has_named_channels && header.channel_count >= 3) indices.color = {0, 1, 2};
   indices.color_channels = indices.color[0] < 0 ? 0 : 3;
   if (indices.color_channels == 0) {
-    const int grey = spec.channelindex("Y") >= 0 || has_named_channels ? spec.channelindex("Y") : 0;
+    const int grey = index_of(header, "Y") >= 0 || has_named_channels ? index_of(header, "Y") : 0;
     if (grey >= 0) {
       indices.color = {grey, grey, grey};
       indices.color_channels = 1;
@@ -114,24 +117,15 @@ ChannelIndices indices_of(const OIIO::ImageSpec& spec, bool has_named_channels) 
   return indices;
 }
 
-void check(const OIIO::ImageSpec& spec, const std::filesystem::path& file) {
-  if (spec.deep || spec.depth > 1) fail(file, "not a flat image", "one value per channel and pixel");
-  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "the image has no pixels");
-  const std::string found = image::size_text({spec.width, spec.height});
-  const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
+void check(const image::ImageHeader& header, const std::filesystem::path& file) {
+  if (header.is_deep || header.depth > 1) fail(file, "not a flat image", "one value per channel and pixel");
+  if (header.width < 1 || header.height < 1 || header.channel_count < 1)
+    fail(file, "the image has no pixels");
+  const std::string found = image::size_text({header.width, header.height});
+  const auto count = static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
   if (count > k_most_compared_pixels)
     fail(file, "too large to compare", "at most " + std::to_string(k_most_compared_pixels) + " pixels",
          found);
-}
-
-std::vector<std::pair<std::string, std::string>> texts_of(const OIIO::ImageSpec& spec) {
-  std::vector<std::pair<std::string, std::string>> texts;
-  for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
-    // Profiles and thumbnails are bytes, not texts.
-    if (attribute.datasize() > k_longest_text || attribute.type().basetype == OIIO::TypeDesc::PTR) continue;
-    texts.emplace_back(attribute.name().string(), attribute.get_string());
-  }
-  return texts;
 }
 
 /// Where the values of a channel go.
@@ -154,19 +148,14 @@ std::vector<Target> targets_of(const ChannelIndices& indices, ComparedImage& ima
   return targets;
 }
 
-/// Channels begin .. end - 1.
-struct ChannelRun {
-  int begin, end;
-};
-
 /// The wanted channels as runs of at most so many. A few others between them are read along, since compressed
 /// blocks are decoded again for each run.
-std::vector<ChannelRun> runs_of(const std::vector<Target>& targets, int longest) {
+std::vector<image::ChannelRun> runs_of(const std::vector<Target>& targets, int longest) {
   constexpr int k_widest_gap = 4;
   std::vector<int> channels;
   for (const Target& target : targets) channels.push_back(target.channel);
   std::ranges::sort(channels);
-  std::vector<ChannelRun> runs;
+  std::vector<image::ChannelRun> runs;
   for (const int channel : channels) {
     if (!runs.empty() && channel - runs.back().end <= k_widest_gap && channel < runs.back().begin + longest) {
       runs.back().end = channel + 1;
@@ -179,8 +168,8 @@ std::vector<ChannelRun> runs_of(const std::vector<Target>& targets, int longest)
 
 /// The whole number in a channel of floating point. Errors: another number, or one so large that its
 /// neighbours become equal in the stored type.
-std::uint32_t whole_id(float value, OIIO::TypeDesc stored) {
-  const float limit = stored == OIIO::TypeHalf ? 2048.0f : 16777216.0f;
+std::uint32_t whole_id(float value, image::ValueType stored) {
+  const float limit = stored == image::ValueType::half ? 2048.0f : 16777216.0f;
   if (value >= 0.0f && value < limit && value == std::floor(value)) return static_cast<std::uint32_t>(value);
   throw Error({.problem = "the id layer contains a value that is not an integer",
                .expected = "32-bit ids, or ids below " + std::to_string(static_cast<int>(limit)) +
@@ -191,13 +180,13 @@ std::uint32_t whole_id(float value, OIIO::TypeDesc stored) {
 /// Reads bands of rows, and hands their values to the layers of an image.
 class BandReader {
  public:
-  BandReader(OIIO::ImageInput& input, const ChannelIndices& indices, ComparedImage& image)
-      : input_(input),
-        spec_(input.spec()),
+  BandReader(image::ImageReader& reader, const ChannelIndices& indices, ComparedImage& image)
+      : reader_(reader),
+        header_(reader.header()),
         image_(image),
         targets_(targets_of(indices, image)),
         id_(indices.id),
-        width_(static_cast<std::size_t>(spec_.width)) {
+        width_(static_cast<std::size_t>(header_.width)) {
     // Both counted in values.
     constexpr std::size_t k_usual = std::size_t{1} << 23, k_most = std::size_t{1} << 25;
     const std::size_t wanted = std::max<std::size_t>(1, targets_.size());
@@ -206,10 +195,10 @@ class BandReader {
     };
     // Bands end where blocks of tiles or of compressed rows do. Wide rows are decoded more than once, since a
     // whole block would be too much; tiles can only be read as a whole, so their channels come one by one.
-    const int block = spec_.tile_width > 0 ? std::min(spec_.tile_height, spec_.height) : 64;
+    const int block = header_.tile_width > 0 ? std::min(header_.tile_height, header_.height) : 64;
     rows_ = std::max(block, fitting_rows(k_usual / wanted) / block * block);
-    if (spec_.tile_width == 0) rows_ = std::min(rows_, fitting_rows(k_most));
-    rows_ = std::min(rows_, spec_.height);
+    if (header_.tile_width == 0) rows_ = std::min(rows_, fitting_rows(k_most));
+    rows_ = std::min(rows_, header_.height);
     const std::size_t longest = k_most / (width_ * static_cast<std::size_t>(rows_));
     runs_ = runs_of(targets_, static_cast<int>(std::clamp<std::size_t>(longest, 1, 16)));
   }
@@ -217,9 +206,9 @@ class BandReader {
   /// `file_size`, bytes, is for an estimate of how many pixels will come.
   void read(std::uint64_t file_size) {
     reserve(file_size);
-    for (int top = 0; top < spec_.height; top += rows_) {
-      const int bottom = std::min(top + rows_, spec_.height);
-      for (const ChannelRun& run : runs_) read_run(top, bottom, run);
+    for (int top = 0; top < header_.height; top += rows_) {
+      const int bottom = std::min(top + rows_, header_.height);
+      for (const image::ChannelRun run : runs_) read_run(top, bottom, run);
       if (id_ >= 0) read_ids(top, bottom);
     }
   }
@@ -234,12 +223,12 @@ class BandReader {
     if (id_ >= 0) image_.ids.reserve(likely);
   }
 
-  void read_run(int top, int bottom, const ChannelRun& run) {
+  void read_run(int top, int bottom, image::ChannelRun run) {
     const auto stride = static_cast<std::size_t>(run.end - run.begin);
     const std::size_t first = width_ * static_cast<std::size_t>(top),
                       count = width_ * static_cast<std::size_t>(bottom - top);
     values_.resize(count * stride);
-    read_band(top, bottom, run, OIIO::TypeFloat, values_.data());
+    read_band(top, bottom, run, image::ValueType::single, values_.data());
     for (const Target& target : targets_) {
       if (target.channel < run.begin || target.channel >= run.end) continue;
       target.layer->resize(target.components * (first + count));
@@ -254,56 +243,46 @@ class BandReader {
   void read_ids(int top, int bottom) {
     const std::size_t first = width_ * static_cast<std::size_t>(top),
                       count = width_ * static_cast<std::size_t>(bottom - top);
-    const OIIO::TypeDesc stored = spec_.channelformat(id_);
-    const ChannelRun run{id_, id_ + 1};
-    if (!stored.is_floating_point()) {
+    const image::ValueType stored = header_.type_of(id_);
+    const image::ChannelRun run{id_, id_ + 1};
+    if (!image::is_float(stored)) {
       image_.ids.resize(first + count);
-      read_band(top, bottom, run, OIIO::TypeUInt, image_.ids.data() + first);
+      read_band(top, bottom, run, image::ValueType::uint32, image_.ids.data() + first);
       return;
     }
     values_.resize(count);
-    read_band(top, bottom, run, OIIO::TypeFloat, values_.data());
+    read_band(top, bottom, run, image::ValueType::single, values_.data());
     for (const float value : values_) image_.ids.push_back(whole_id(value, stored));
   }
 
-  void read_band(int top, int bottom, const ChannelRun& run, OIIO::TypeDesc type, void* values) {
-    const bool is_read = spec_.tile_width > 0
-                             ? input_.read_tiles(0, 0, spec_.x, spec_.x + spec_.width, spec_.y + top,
-                                                 spec_.y + bottom, 0, 1, run.begin, run.end, type, values)
-                             : input_.read_scanlines(0, 0, spec_.y + top, spec_.y + bottom, 0, run.begin,
-                                                     run.end, type, values);
-    // For TIFF files OpenImageIO returns success even where it reports that pixels are missing.
-    if (!is_read || input_.has_error()) {
-      throw Error({.problem = "the image has missing pixels: " + image::image_trouble(input_.geterror())});
-    }
+  void read_band(int top, int bottom, image::ChannelRun run, image::ValueType type, void* values) {
+    const image::Failure failure = reader_.read_rows(top, bottom, run, type, values);
+    if (failure) throw Error({.problem = "the image has missing pixels: " + image::image_trouble(*failure)});
   }
 
-  OIIO::ImageInput& input_;
-  OIIO::ImageSpec spec_;
+  image::ImageReader& reader_;
+  const image::ImageHeader& header_;
   ComparedImage& image_;
   std::vector<Target> targets_;
   int id_ = -1;
   std::size_t width_ = 0;
   int rows_ = 1;
-  std::vector<ChannelRun> runs_;
+  std::vector<image::ChannelRun> runs_;
   std::vector<float> values_;
 };
 
-int largest_code_of(OIIO::TypeDesc type) {
-  if (type == OIIO::TypeUInt8) return 255;
-  return type == OIIO::TypeUInt16 ? 65535 : 0;
+int largest_code_of(image::ValueType type) {
+  if (type == image::ValueType::uint8) return 255;
+  return type == image::ValueType::uint16 ? 65535 : 0;
 }
 
 std::vector<float> filtered(const ComparedImage& image, const std::vector<float>& values, int channels,
                             int width, int height) {
   std::vector<float> result(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                             static_cast<std::size_t>(channels));
-  // OpenImageIO only reads the source, though it requests a pointer that could be written through.
-  OIIO::ImageBuf source(OIIO::ImageSpec(image.width, image.height, channels, OIIO::TypeFloat),
-                        const_cast<float*>(values.data()));
-  OIIO::ImageBuf target(OIIO::ImageSpec(width, height, channels, OIIO::TypeFloat), result.data());
-  if (!OIIO::ImageBufAlgo::resize(target, source))
-    throw Error({.file = image.file.string(), .problem = "cannot resize the image: " + target.geterror()});
+  const image::Failure failure = image::backend().resize(values.data(), image.width, image.height,
+                                                         result.data(), width, height, channels);
+  if (failure) throw Error({.file = image.file.string(), .problem = "cannot resize the image: " + *failure});
   return result;
 }
 
@@ -339,49 +318,44 @@ std::vector<Value> nearest(const ComparedImage& image, const std::vector<Value>&
 
 ComparedImage read_compared_image(const std::filesystem::path& file) {
   const std::uint64_t file_size = image::image_file_size(file);
-  // Colours of PNG and TIFF come as they are stored, not multiplied by alpha.
-  OIIO::ImageSpec hints;
-  hints.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!input) fail(file, "cannot read the image: " + image::image_trouble(OIIO::geterror()));
-  const OIIO::ImageSpec spec = input->spec();
-  check(spec, file);
-  const ChannelIndices indices = indices_of(spec, std::string_view(input->format_name()) == "openexr");
+  std::string failure;
+  const auto reader = image::backend().open_image(file.string(), {}, failure);
+  if (!reader) fail(file, "cannot read the image: " + image::image_trouble(failure));
+  const image::ImageHeader& header = reader->header();
+  check(header, file);
+  const ChannelIndices indices = indices_of(header);
   if (std::ranges::all_of(indices.all(), [](int channel) { return channel < 0; }))
     fail(file, "nothing to compare", "channels R G B, Y, A, Z, N.X N.Y N.Z or id");
 
   ComparedImage image;
   image.file = file;
-  image.width = spec.width;
-  image.height = spec.height;
-  image.origin_x = spec.x - spec.full_x;
-  image.origin_y = spec.y - spec.full_y;
+  image.width = header.width;
+  image.height = header.height;
+  image.origin_x = header.x - header.full_x;
+  image.origin_y = header.y - header.full_y;
   image.color_channels = indices.color_channels;
-  const OIIO::TypeDesc type = spec.channelformat(std::max(indices.color[0], 0));
-  image.encoding = type.is_floating_point() ? ColorEncoding::linear : ColorEncoding::display;
+  const image::ValueType type = header.type_of(std::max(indices.color[0], 0));
+  image.encoding = image::is_float(type) ? ColorEncoding::linear : ColorEncoding::display;
   image.largest_code = largest_code_of(type);
-  image.metadata = texts_of(spec);
+  image.metadata = reader->texts(k_longest_text);
   try {
-    BandReader(*input, indices, image).read(file_size);
+    BandReader(*reader, indices, image).read(file_size);
   } catch (const Error& error) {
     fail(file, error.what());
   }
-  turn_upright(image, spec.get_int_attribute("Orientation", 1));
+  turn_upright(image, header.orientation);
   return image;
 }
 
 std::uint64_t claimed_pixels(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return 0;
-  const auto input = OIIO::ImageInput::open(file.string());
-  if (!input) {
-    // Fetched, so that a later call does not return this error.
-    OIIO::geterror();
-    return 0;
-  }
-  const OIIO::ImageSpec& spec = input->spec();
-  return static_cast<std::uint64_t>(std::max(spec.width, 0)) *
-         static_cast<std::uint64_t>(std::max(spec.height, 0));
+  std::string failure;
+  const auto reader = image::backend().open_image(file.string(), {}, failure);
+  if (!reader) return 0;
+  const image::ImageHeader& header = reader->header();
+  return static_cast<std::uint64_t>(std::max(header.width, 0)) *
+         static_cast<std::uint64_t>(std::max(header.height, 0));
 }
 
 ComparedImage resized(const ComparedImage& image, int width, int height) {

@@ -1,22 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "image/encoded_image.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/error.h"
+#include "image/backend.h"
 
 namespace alidade::image {
-namespace {
-
-[[noreturn]] void fail(const std::string& reason) {
-  throw Error({.problem = "cannot encode an image of the report: " + reason});
-}
-
-}  // namespace
 
 ImagePacking packing_for(ImagePacking wanted, std::size_t pixels) {
   constexpr std::size_t k_most_lossless = 2'000'000;
@@ -28,23 +19,23 @@ std::string data_url(const ByteImage& image, ImagePacking packing) {
   const std::size_t pixels = image.bytes.size() / 3;
   const bool is_png = packing_for(packing, pixels) == ImagePacking::png;
   const std::string format = is_png ? "png" : "jpeg";
-  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeUInt8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
+  ImageToWrite written{
+      {image.width, image.height, 3, ValueType::uint8}, format, {{"oiio:ColorSpace", "sRGB"}}};
   if (is_png) {
     // The last percents of size cost most of the time.
-    spec.attribute("png:compressionLevel", pixels > 1'000'000 ? 3 : 9);
+    written.attributes.emplace_back("png:compressionLevel", pixels > 1'000'000 ? 3 : 9);
   } else {
-    spec.attribute("Compression", "jpeg:92");
-    spec.attribute("jpeg:subsampling", "4:4:4");
+    written.attributes.emplace_back("Compression", "jpeg:92");
+    written.attributes.emplace_back("jpeg:subsampling", "4:4:4");
   }
-  OIIO::Filesystem::IOVecOutput encoded;
-  const auto output = OIIO::ImageOutput::create(format);
-  if (!output) fail(OIIO::geterror());
-  if (!output->set_ioproxy(&encoded)) fail(format + " encoding failed");
-  if (!output->open("report." + format, spec) || !output->write_image(OIIO::TypeUInt8, image.bytes.data()) ||
-      !output->close())
-    fail(output->geterror());
-  return fmt::format("data:image/{};base64,", format) + base64(encoded.buffer());
+  const auto rows = [&](int begin, int) {
+    const std::size_t first = 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(begin);
+    return std::as_bytes(std::span(image.bytes)).subspan(first).data();
+  };
+  std::vector<unsigned char> encoded;
+  const Failure failure = backend().encode(written, "report." + format, rows, encoded);
+  if (failure) throw Error({.problem = "cannot encode an image of the report: " + *failure});
+  return fmt::format("data:image/{};base64,", format) + base64(encoded);
 }
 
 ByteImage shrunk(const ByteImage& image, int longest_side) {

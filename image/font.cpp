@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "image/font.h"
 
-#include <ft2build.h>
 #include <algorithm>
 #include <cassert>
-#include FT_FREETYPE_H
 #include <system_error>
 
 #include "base/error.h"
+#include "image/backend.h"
 
 namespace alidade::image {
 namespace {
@@ -37,6 +36,22 @@ std::vector<char32_t> characters_of(std::string_view text) {
   return characters;
 }
 
+/// Calls visit(glyph, pen) for every character, with the column where it begins, and returns the column
+/// after the last.
+template <class Visit>
+int for_each_glyph(FontFace& face, std::string_view text, int size, const Visit& visit) {
+  assert(size >= 1);
+  face.set_size(size);
+  int pen = 0;
+  for (const char32_t character : characters_of(text)) {
+    const std::optional<Glyph> glyph = face.draw(character);
+    if (!glyph) continue;
+    visit(*glyph, pen);
+    pen += glyph->advance;
+  }
+  return pen;
+}
+
 }  // namespace
 
 std::span<const std::filesystem::path> font_files() {
@@ -56,38 +71,8 @@ std::filesystem::path find_font(std::span<const std::filesystem::path> files) {
                    "DejaVu Sans (Debian: fonts-dejavu-core)");
 }
 
-struct Font::Face {
-  FT_Library library = nullptr;
-  FT_Face face = nullptr;
-
-  ~Face() {
-    if (face != nullptr) FT_Done_Face(face);
-    if (library != nullptr) FT_Done_FreeType(library);
-  }
-
-  /// Calls visit(glyph, pen) for every character, with the column where it begins, and returns the column
-  /// after the last.
-  template <class Visit>
-  int for_each_glyph(std::string_view text, int size, const Visit& visit) const {
-    assert(size >= 1);
-    FT_Set_Pixel_Sizes(face, 0, static_cast<FT_UInt>(size));
-    constexpr int k_unit_bits = 6;
-    int pen = 0;
-    for (const char32_t character : characters_of(text)) {
-      // The light hints keep stems crisp from top to bottom and do not move characters sideways.
-      if (FT_Load_Char(face, character, FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) != 0) continue;
-      visit(*face->glyph, pen);
-      pen += static_cast<int>(face->glyph->advance.x >> k_unit_bits);
-    }
-    return pen;
-  }
-};
-
-Font::Font(const std::filesystem::path& file) : face_(std::make_unique<Face>()) {
-  const bool opened = FT_Init_FreeType(&face_->library) == 0 &&
-                      FT_New_Face(face_->library, file.c_str(), 0, &face_->face) == 0 &&
-                      FT_IS_SCALABLE(face_->face);
-  if (!opened) throw file_error(file, "not a font file");
+Font::Font(const std::filesystem::path& file) : face_(backend().open_font(file.string())) {
+  if (face_ == nullptr) throw file_error(file, "not a font file");
 }
 
 Font::~Font() = default;
@@ -96,20 +81,20 @@ Font& Font::operator=(Font&&) noexcept = default;
 
 TextExtent Font::measure(std::string_view text, int size) const {
   TextExtent extent;
-  extent.width = face_->for_each_glyph(text, size, [&](const FT_GlyphSlotRec_& glyph, int) {
-    extent.ascent = std::max(extent.ascent, glyph.bitmap_top);
-    extent.descent = std::max(extent.descent, static_cast<int>(glyph.bitmap.rows) - glyph.bitmap_top);
+  extent.width = for_each_glyph(*face_, text, size, [&](const Glyph& glyph, int) {
+    extent.ascent = std::max(extent.ascent, glyph.top);
+    extent.descent = std::max(extent.descent, glyph.height - glyph.top);
   });
   return extent;
 }
 
 void Font::draw(Canvas& canvas, int x, int baseline, std::string_view text, int size,
                 const Rgb8& color) const {
-  face_->for_each_glyph(text, size, [&](const FT_GlyphSlotRec_& glyph, int pen) {
-    const int left = x + pen + glyph.bitmap_left, top = baseline - glyph.bitmap_top;
-    for (int row = 0; row < static_cast<int>(glyph.bitmap.rows); ++row) {
-      const unsigned char* const covers = glyph.bitmap.buffer + row * glyph.bitmap.pitch;
-      for (int column = 0; column < static_cast<int>(glyph.bitmap.width); ++column)
+  for_each_glyph(*face_, text, size, [&](const Glyph& glyph, int pen) {
+    const int left = x + pen + glyph.left, top = baseline - glyph.top;
+    for (int row = 0; row < glyph.height; ++row) {
+      const unsigned char* const covers = glyph.covers + row * glyph.pitch;
+      for (int column = 0; column < glyph.width; ++column)
         canvas.blend(left + column, top + row, color, covers[column]);
     }
   });

@@ -17,6 +17,8 @@ std::span<const std::filesystem::path> font_files();
 /// package that brings one.
 std::filesystem::path find_font(std::span<const std::filesystem::path> files = font_files());
 
+class FontFace;
+
 /// The extent of a line of text, in pixels from its beginning on the baseline.
 struct TextExtent {
   int width = 0;    ///< to where the next character would begin
@@ -41,8 +43,7 @@ class Font {
   void draw(Canvas& canvas, int x, int baseline, std::string_view text, int size, const Rgb8& color) const;
 
  private:
-  struct Face;
-  std::unique_ptr<Face> face_;
+  std::unique_ptr<FontFace> face_;
 };
 
 }  // namespace alidade::image

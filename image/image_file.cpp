@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and programs that link the
-// library and use fmt would get OpenImageIO along with them.
-
 #include "image/image_file.h"
 
 #include <Imath/half.h>
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "base/error.h"
 #include "base/output_file.h"
 #include "geo/raster_file.h"
+#include "image/backend.h"
 #include "image/canvas.h"
 #include "image/srgb.h"
 
@@ -29,35 +26,26 @@ namespace {
 /// Encodes the rows that `pack(y, bytes of row y)` fills in memory and then writes them: libpng and libjpeg,
 /// as OpenImageIO calls them, overlook a full disk or end the program. Errors name `final_name`.
 template <typename PackRow>
-void write_rows(const std::string& format, const std::filesystem::path& final_name, OutputFile& file,
-                const OIIO::ImageSpec& spec, const PackRow& pack) {
-  OIIO::Filesystem::IOVecOutput encoded;
-  // A whole number of OpenEXR's 16-row compression blocks; the copy of the image stays small.
-  constexpr int k_rows_at_once = 64;
-  const auto image = OIIO::ImageOutput::create(format);
-  if (!image) fail_image(final_name, OIIO::geterror());
-  if (!image->set_ioproxy(&encoded)) fail_image(final_name, format + " encoding failed");
-  if (!image->open(final_name.string(), spec)) fail_image(final_name, image->geterror());
-  const std::size_t row_bytes = spec.scanline_bytes(true);
-  std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(std::min(k_rows_at_once, spec.height)));
-  for (int begin = 0; begin < spec.height; begin += k_rows_at_once) {
-    const int end = std::min(begin + k_rows_at_once, spec.height);
+void write_rows(const ImageToWrite& image, const std::filesystem::path& final_name, OutputFile& file,
+                const PackRow& pack) {
+  const std::size_t row_bytes = static_cast<std::size_t>(image.width) * image.pixel_bytes();
+  std::vector<std::byte> bytes;
+  const auto rows = [&](int begin, int end) {
+    bytes.resize(row_bytes * static_cast<std::size_t>(end - begin));
     for (int y = begin; y < end; ++y)
       pack(y, std::span(bytes).subspan(static_cast<std::size_t>(y - begin) * row_bytes, row_bytes));
-    if (!image->write_scanlines(begin, end, 0, OIIO::TypeUnknown, bytes.data()))
-      fail_image(final_name, image->geterror());
-  }
-  if (!image->close()) fail_image(final_name, image->geterror());
-  file.write(std::as_bytes(std::span(encoded.buffer())));
+    return bytes.data();
+  };
+  std::vector<unsigned char> encoded;
+  const Failure failure = backend().encode(image, final_name.string(), rows, encoded);
+  if (failure) fail_image(final_name, *failure);
+  file.write(std::as_bytes(std::span(encoded)));
 }
-
-/// How a channel's values are stored.
-enum class ChannelType { half_float, single_float, unsigned_integer };
 
 /// A channel of an EXR file, under the name that other programs expect.
 struct Channel {
   std::string name;
-  ChannelType type;
+  ValueType type;
   Layer layer;
   int component;  ///< 0, 1, 2 of a vector or colour; 3 = alpha
 };
@@ -103,24 +91,23 @@ std::size_t put(std::span<std::byte> bytes, std::size_t offset, const Value& val
 
 /// The channels of the requested layers, in the order of the enumeration Layer.
 std::vector<Channel> exr_channels(const OutputSettings& output) {
-  const ChannelType color = output.half ? ChannelType::half_float : ChannelType::single_float;
+  const ValueType color = output.half ? ValueType::half : ValueType::single;
   struct Group {
     Layer layer;
-    ChannelType type;
+    ValueType type;
     std::vector<std::string> names;
   };
-  const Group groups[] = {
-      {Layer::color, color, {"R", "G", "B", "A"}},
-      {Layer::depth, ChannelType::single_float, {"Z"}},
-      {Layer::distance, ChannelType::single_float, {"distance.T"}},
-      {Layer::normal, color, {"N.X", "N.Y", "N.Z"}},
-      {Layer::position, ChannelType::single_float, {"P.X", "P.Y", "P.Z"}},
-      {Layer::albedo, color, {"albedo.R", "albedo.G", "albedo.B"}},
-      {Layer::id, ChannelType::unsigned_integer, {"id"}},
-      {Layer::variance, ChannelType::single_float, {"variance.R", "variance.G", "variance.B"}},
-      {Layer::depth_sigma, ChannelType::single_float, {"depth.sigma"}},
-      {Layer::coverage, ChannelType::single_float, {"coverage"}},
-      {Layer::support, ChannelType::unsigned_integer, {"support"}}};
+  const Group groups[] = {{Layer::color, color, {"R", "G", "B", "A"}},
+                          {Layer::depth, ValueType::single, {"Z"}},
+                          {Layer::distance, ValueType::single, {"distance.T"}},
+                          {Layer::normal, color, {"N.X", "N.Y", "N.Z"}},
+                          {Layer::position, ValueType::single, {"P.X", "P.Y", "P.Z"}},
+                          {Layer::albedo, color, {"albedo.R", "albedo.G", "albedo.B"}},
+                          {Layer::id, ValueType::uint32, {"id"}},
+                          {Layer::variance, ValueType::single, {"variance.R", "variance.G", "variance.B"}},
+                          {Layer::depth_sigma, ValueType::single, {"depth.sigma"}},
+                          {Layer::coverage, ValueType::single, {"coverage"}},
+                          {Layer::support, ValueType::uint32, {"support"}}};
   std::vector<Channel> channels;
   for (const Group& group : groups) {
     if (std::ranges::find(output.layers, group.layer) == output.layers.end()) continue;
@@ -130,28 +117,20 @@ std::vector<Channel> exr_channels(const OutputSettings& output) {
   return channels;
 }
 
-/// Size of a pixel of these channels in bytes, each value in its own type, without gaps.
-[[maybe_unused]] std::size_t pixel_bytes(std::span<const Channel> channels) {
-  std::size_t bytes = 0;
-  for (const Channel& channel : channels) bytes += channel.type == ChannelType::half_float ? 2 : 4;
-  return bytes;
-}
-
-/// Row `y` of the film as pixels of these channels. `offset`: ImageFacts::position_offset. `bytes`: width *
-/// pixel_bytes() of them.
+/// Row `y` of the film as pixels of these channels. `offset`: ImageFacts::position_offset. `bytes`: as many as
+/// the row takes.
 void pack_row(const Film& film, int y, std::span<const Channel> channels, const glm::dvec3& offset,
               std::span<std::byte> bytes) {
-  assert(bytes.size() == pixel_bytes(channels) * static_cast<std::size_t>(film.width));
   std::size_t byte = 0;
   for (int x = 0; x < film.width; ++x) {
     const std::size_t pixel = film.index(x, y);
     for (const Channel& channel : channels) {
-      if (channel.type == ChannelType::unsigned_integer) {
+      if (channel.type == ValueType::uint32) {
         byte = put(bytes, byte, (channel.layer == Layer::id ? film.id : film.support)[pixel]);
         continue;
       }
       const float value = value_of(film, pixel, channel, offset);
-      if (channel.type == ChannelType::single_float) {
+      if (channel.type == ValueType::single) {
         byte = put(bytes, byte, value);
       } else {
         // Brighter than the largest half (a view into the sun): the largest, since infinity spoils every
@@ -160,6 +139,7 @@ void pack_row(const Film& film, int y, std::span<const Channel> channels, const 
       }
     }
   }
+  assert(byte == bytes.size());
 }
 
 constexpr int k_longest_jpeg_side = 65500;
@@ -171,21 +151,19 @@ void write_exr(const Film& film, const OutputSettings& output, const ImageFacts&
     if (std::ranges::find(output.layers, known.layer) != output.layers.end() && !film.holds(known.layer))
       fail_image(output.file, "the layer " + std::string(known.name) + " was not rendered");
   }
-  OIIO::ImageSpec spec(film.width, film.height, static_cast<int>(channels.size()), OIIO::TypeFloat);
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    const Channel& channel = channels[i];
-    spec.channelnames[i] = channel.name;
-    spec.channelformats.push_back(channel.type == ChannelType::half_float     ? OIIO::TypeHalf
-                                  : channel.type == ChannelType::single_float ? OIIO::TypeFloat
-                                                                              : OIIO::TypeUInt);
-    if (channel.name == "A") spec.alpha_channel = static_cast<int>(i);
-    if (channel.name == "Z") spec.z_channel = static_cast<int>(i);
+  // Without a time OpenImageIO writes that of the clock, and equal films would give different bytes.
+  ImageToWrite image{{.width = film.width,
+                      .height = film.height,
+                      .channel_count = static_cast<int>(channels.size()),
+                      .type = ValueType::single},
+                     "openexr",
+                     {{"compression", "zip"}, {"DateTime", ""}}};
+  for (const Channel& channel : channels) {
+    image.channel_names.push_back(channel.name);
+    image.channel_types.push_back(channel.type);
   }
-  spec.attribute("compression", "zip");
-  // Without it OpenImageIO writes the time, and equal films would give different bytes.
-  spec.attribute("DateTime", "");
-  for (const auto& [key, text] : facts.texts) spec.attribute(key, text);
-  write_rows("openexr", output.file, file, spec, [&](int y, std::span<std::byte> bytes) {
+  std::ranges::copy(facts.texts, std::back_inserter(image.attributes));
+  write_rows(image, output.file, file, [&](int y, std::span<std::byte> bytes) {
     pack_row(film, y, channels, facts.position_offset, bytes);
   });
 }
@@ -197,26 +175,26 @@ std::uint8_t alpha_code(const Film& film, std::size_t pixel) {
 void write_display(const Film& film, const OutputSettings& output, const ImageFacts& facts,
                    ImageFormat format, OutputFile& file) {
   const bool has_alpha = output.transparent && format == ImageFormat::png;
-  OIIO::ImageSpec spec(film.width, film.height, has_alpha ? 4 : 3, OIIO::TypeUInt8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  if (has_alpha) spec.attribute("oiio:UnassociatedAlpha", 1);
+  ImageToWrite image{{film.width, film.height, has_alpha ? 4 : 3, ValueType::uint8},
+                     format == ImageFormat::png ? "png" : "jpeg",
+                     {{"oiio:ColorSpace", "sRGB"}}};
+  if (has_alpha) image.attributes.emplace_back("oiio:UnassociatedAlpha", 1);
   if (format == ImageFormat::jpeg) {
     // Checked here because libjpeg would print it on stderr.
     if (std::max(film.width, film.height) > k_longest_jpeg_side)
       fail_image(output.file, "JPEG is limited to 65500 pixels");
-    spec.attribute("Compression", "jpeg:95");
-    spec.attribute("jpeg:subsampling", "4:4:4");
+    image.attributes.emplace_back("Compression", "jpeg:95");
+    image.attributes.emplace_back("jpeg:subsampling", "4:4:4");
   }
-  for (const auto& [key, text] : facts.texts) spec.attribute(key, text);
-  write_rows(format == ImageFormat::png ? "png" : "jpeg", output.file, file, spec,
-             [&](int y, std::span<std::byte> bytes) {
-               auto byte = bytes.begin();
-               for (int x = 0; x < film.width; ++x) {
-                 const std::size_t pixel = film.index(x, y);
-                 for (const std::uint8_t code : displayed(film, pixel, output)) *byte++ = std::byte{code};
-                 if (has_alpha) *byte++ = std::byte{alpha_code(film, pixel)};
-               }
-             });
+  std::ranges::copy(facts.texts, std::back_inserter(image.attributes));
+  write_rows(image, output.file, file, [&](int y, std::span<std::byte> bytes) {
+    auto byte = bytes.begin();
+    for (int x = 0; x < film.width; ++x) {
+      const std::size_t pixel = film.index(x, y);
+      for (const std::uint8_t code : displayed(film, pixel, output)) *byte++ = std::byte{code};
+      if (has_alpha) *byte++ = std::byte{alpha_code(film, pixel)};
+    }
+  });
 }
 
 /// Writes the film as GeoTIFF.
@@ -254,16 +232,20 @@ void write_image(const Film& film, const OutputSettings& output, const ImageFact
 }
 
 std::string library_version() {
-  return std::string("OpenImageIO ") + OIIO_VERSION_STRING;
+  return "OpenImageIO " ALIDADE_OPENIMAGEIO_VERSION;
+}
+
+void load_library() {
+  backend();
 }
 
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite) {
   if (image_format(file) != ImageFormat::png)
     throw file_error(file, "unknown output format", "the extension .png");
   OutputFile output(file, overwrite);
-  OIIO::ImageSpec spec(canvas.width(), canvas.height(), 3, OIIO::TypeUInt8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  write_rows("png", file, output, spec, [&](int y, std::span<std::byte> row) {
+  const ImageToWrite image{
+      {canvas.width(), canvas.height(), 3, ValueType::uint8}, "png", {{"oiio:ColorSpace", "sRGB"}}};
+  write_rows(image, file, output, [&](int y, std::span<std::byte> row) {
     const auto pixels = std::as_bytes(std::span(canvas.bytes()));
     std::ranges::copy(pixels.subspan(static_cast<std::size_t>(y) * row.size(), row.size()), row.begin());
   });
@@ -285,17 +267,16 @@ void write_depth_map(std::span<const float> values, int width, int height, Depth
   const bool whole = format == DepthFormat::png16;
   // OpenCV reads zeros from a file with a channel Z alone; it reads the depth from Y.
   const std::size_t channels = format == DepthFormat::exr ? 2 : 1;
-  OIIO::ImageSpec spec(width, height, static_cast<int>(channels), whole ? OIIO::TypeUInt16 : OIIO::TypeFloat);
-  // Without it OpenImageIO writes the time, and equal maps would give different bytes.
-  spec.attribute("DateTime", "");
-  if (format != DepthFormat::png16) spec.attribute("compression", "zip");
-  if (format == DepthFormat::exr) {
-    spec.channelnames = {"Y", "Z"};
-    spec.z_channel = 1;
-  }
-  for (const auto& [key, text] : texts) spec.attribute(key, text);
+  // Without a time OpenImageIO writes that of the clock, and equal maps would give different bytes.
   const char* const writer = whole ? "png" : format == DepthFormat::exr ? "openexr" : "tiff";
-  write_rows(writer, file, output, spec, [&](int y, std::span<std::byte> row) {
+  ImageToWrite image{
+      {width, height, static_cast<int>(channels), whole ? ValueType::uint16 : ValueType::single},
+      writer,
+      {{"DateTime", ""}}};
+  if (format != DepthFormat::png16) image.attributes.emplace_back("compression", "zip");
+  if (format == DepthFormat::exr) image.channel_names = {"Y", "Z"};
+  std::ranges::copy(texts, std::back_inserter(image.attributes));
+  write_rows(image, file, output, [&](int y, std::span<std::byte> row) {
     std::size_t byte = 0;
     const std::size_t columns = static_cast<std::size_t>(width);
     for (const float value : values.subspan(static_cast<std::size_t>(y) * columns, columns))
@@ -308,12 +289,12 @@ void write_depth_map(std::span<const float> values, int width, int height, Depth
 void write_depth_mask(std::span<const float> depths, int width, int height, const std::filesystem::path& file,
                       bool overwrite) {
   OutputFile output(file, overwrite);
-  write_rows("png", file, output, OIIO::ImageSpec(width, height, 1, OIIO::TypeUInt8),
-             [&](int y, std::span<std::byte> row) {
-               const std::size_t begin = static_cast<std::size_t>(y) * row.size();
-               for (std::size_t x = 0; x < row.size(); ++x)
-                 row[x] = std::isfinite(depths[begin + x]) ? std::byte{255} : std::byte{0};
-             });
+  const ImageToWrite image{{width, height, 1, ValueType::uint8}, "png"};
+  write_rows(image, file, output, [&](int y, std::span<std::byte> row) {
+    const std::size_t begin = static_cast<std::size_t>(y) * row.size();
+    for (std::size_t x = 0; x < row.size(); ++x)
+      row[x] = std::isfinite(depths[begin + x]) ? std::byte{255} : std::byte{0};
+  });
   output.commit();
 }
 

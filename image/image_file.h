@@ -38,6 +38,9 @@ void write_image(const Film& film, const OutputSettings& output, const ImageFact
 /// "OpenImageIO 2.4.7": the library that reads and writes images.
 std::string library_version();
 
+/// Loads the library, for callers that work for long before they write an image. Errors: it is missing.
+void load_library();
+
 /// Writes a canvas as PNG. The file is written completely or not at all. Errors: a name that does not end in
 /// .png; an existing file without `overwrite`; a full disk and other write failures.
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite);

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and programs that link the
-// library and use fmt would get OpenImageIO along with them.
-
 #include "image/read_image.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -13,6 +8,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "image/backend.h"
 
 namespace alidade::image {
 namespace {
@@ -27,77 +23,54 @@ struct ImageLimits {
   std::string pixels_text;
 };
 
-void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const ImageLimits& limits,
+void check(const ImageHeader& header, std::uint64_t file_size, const ImageLimits& limits,
            const std::filesystem::path& file) {
-  if (spec.deep || spec.depth > 1)
+  if (header.is_deep || header.depth > 1)
     throw file_error(file, "not a flat image", "one value per channel and pixel");
-  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
+  if (header.width < 1 || header.height < 1 || header.channel_count < 1)
     throw file_error(file, "the image has no pixels");
-  const std::string found = size_text({spec.width, spec.height});
-  const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
+  const std::string found = size_text({header.width, header.height});
+  const auto count = static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
   if (count > limits.pixels)
     throw file_error(file, "too large for a " + limits.content, limits.pixels_text, found);
   if (count / k_most_pixels_per_byte > file_size) {
     throw file_error(file, "the file is too short for its pixels",
                      "more than " + std::to_string(file_size) + " bytes", found);
   }
-  const bool is_whole = spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&
-                        spec.height == spec.full_height;
+  const bool is_whole = header.x == header.full_x && header.y == header.full_y &&
+                        header.width == header.full_width && header.height == header.full_height;
   if (!is_whole) {
     throw file_error(file, "the image is a crop",
-                     "all " + size_text({spec.full_width, spec.full_height}) + " pixels", found);
+                     "all " + size_text({header.full_width, header.full_height}) + " pixels", found);
   }
 }
 
-/// An image that is being read. Its bytes in memory must outlive it.
-struct OpenImage {
-  std::unique_ptr<OIIO::Filesystem::IOProxy> memory;  ///< what `input` reads from; null: the file
-  std::unique_ptr<OIIO::ImageInput> input;
-
-  const OIIO::ImageSpec& spec() const { return input->spec(); }
-};
-
-/// An open image that was checked.
-OpenImage open_image(const std::filesystem::path& file, const ImageBytes& bytes, const ImageLimits& limits) {
+/// An image that was checked, open for reading. Its bytes in memory must outlive it.
+std::unique_ptr<ImageReader> open_image(const std::filesystem::path& file, const ImageBytes& bytes,
+                                        const ImageLimits& limits) {
   const std::uint64_t byte_count = bytes ? bytes->size() : image_file_size(file);
-  // Alpha is not examined, so it must not be multiplied in either.
-  OIIO::ImageSpec hints;
-  hints.attribute("oiio:UnassociatedAlpha", 1);
-  OpenImage image;
-  if (bytes) {
-    image.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes->data(), bytes->size());
-    void* const proxy = image.memory.get();
-    hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  }
-  image.input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!image.input) throw file_error(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
-  check(image.spec(), byte_count, limits, file);
+  std::string failure;
+  std::unique_ptr<ImageReader> image = backend().open_image(file.string(), bytes, failure);
+  if (!image) throw file_error(file, "cannot read the image: " + image_trouble(failure));
+  check(image->header(), byte_count, limits, file);
   return image;
 }
 
-/// The channels to read.
-struct Channels {
-  int begin = 0, count = 1;
-};
-
-Channels color_channels(const OIIO::ImageSpec& spec) {
-  if (spec.nchannels < 3) return {0, 1};
-  const std::vector<std::string>& names = spec.channelnames;
+ChannelRun color_channels(const ImageHeader& header) {
+  if (header.channel_count < 3) return {0, 1};
+  const std::vector<std::string>& names = header.channel_names;
   for (int i = 0; i + 2 < static_cast<int>(names.size()); ++i) {
     const auto at = static_cast<std::size_t>(i);
-    if (names[at] == "R" && names[at + 1] == "G" && names[at + 2] == "B") return {i, 3};
+    if (names[at] == "R" && names[at + 1] == "G" && names[at + 2] == "B") return {i, i + 3};
   }
   return {0, 3};
 }
 
 /// Reads the channels of all pixels, which are `stride` bytes apart.
-void read_channels(OIIO::ImageInput& input, const Channels& channels, OIIO::TypeDesc type, void* values,
-                   std::size_t stride, const std::filesystem::path& file) {
-  const bool is_read = input.read_image(0, 0, channels.begin, channels.begin + channels.count, type, values,
-                                        static_cast<OIIO::stride_t>(stride));
-  // For TIFF files OpenImageIO returns success even where it reports that pixels are missing.
-  if (!is_read || input.has_error())
-    throw file_error(file, "the image has missing pixels: " + image_trouble(input.geterror()));
+void read_channels(ImageReader& image, ChannelRun channels, ValueType type, void* values, std::size_t stride,
+                   const std::filesystem::path& file) {
+  const Failure failure = image.read_all(channels, type, values, stride);
+  if (failure) throw file_error(file, "the image has missing pixels: " + image_trouble(*failure));
 }
 
 /// Linear values of the display values 0, 1/65535, ... 1.
@@ -108,11 +81,11 @@ std::vector<float> linear_values() {
   return values;
 }
 
-OpenImage open_photo(const std::filesystem::path& file, const ImageBytes& bytes) {
+std::unique_ptr<ImageReader> open_photo(const std::filesystem::path& file, const ImageBytes& bytes) {
   constexpr std::uint64_t k_most_pixels = 1u << 28;
-  OpenImage image = open_image(
+  std::unique_ptr<ImageReader> image = open_image(
       file, bytes, {"photo", k_most_pixels, "at most " + std::to_string(k_most_pixels) + " pixels"});
-  if (image.spec().format.is_floating_point()) {
+  if (is_float(image->header().type)) {
     throw file_error(file, "a photo with floating-point values",
                      "a photo of 8 or 16 bits per channel, such as JPEG, PNG or TIFF");
   }
@@ -155,20 +128,21 @@ std::uint64_t image_file_size(const std::filesystem::path& file) {
 }
 
 SkyPixels read_sky_image(const std::filesystem::path& file) {
-  const OpenImage image =
+  const std::unique_ptr<ImageReader> image =
       open_image(file, {},
                  {"sky", k_most_sky_pixels,
                   "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192"});
-  const OIIO::ImageSpec spec = image.spec();
+  const ImageHeader& header = image->header();
 
-  SkyPixels pixels{.width = spec.width, .height = spec.height};
-  pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
-  const Channels channels = color_channels(spec);
-  read_channels(*image.input, channels, OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb), file);
-  if (channels.count == 1)
+  SkyPixels pixels{.width = header.width, .height = header.height};
+  pixels.values.resize(static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height));
+  const ChannelRun channels = color_channels(header);
+  const bool is_grey = channels.end - channels.begin == 1;
+  read_channels(*image, channels, ValueType::single, pixels.values.data(), sizeof(Rgb), file);
+  if (is_grey)
     for (Rgb& value : pixels.values) value = Rgb(value.r);
 
-  if (!spec.channelformat(channels.begin).is_floating_point()) {
+  if (!is_float(header.type_of(channels.begin))) {
     const std::vector<float> linear = linear_values();
     for (Rgb& value : pixels.values)
       for (int i = 0; i < 3; ++i)
@@ -180,7 +154,7 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
     for (int i = 0; i < 3; ++i) value[i] = light_of(value[i], replaced);
   if (replaced > 0) {
     pixels.warning =
-        file.string() + ": " + std::to_string(channels.count == 1 ? replaced / 3 : replaced) +
+        file.string() + ": " + std::to_string(is_grey ? replaced / 3 : replaced) +
         " invalid radiances (negative, not finite or above 1e9): using 0 for negative values and NaN, "
         "65504 for infinity";
   }
@@ -192,19 +166,19 @@ std::string size_text(const ImageSize& size) {
 }
 
 ImageSize photo_size(const std::filesystem::path& file, const ImageBytes& bytes) {
-  const OpenImage image = open_photo(file, bytes);
-  return {image.spec().width, image.spec().height};
+  const std::unique_ptr<ImageReader> image = open_photo(file, bytes);
+  return {image->header().width, image->header().height};
 }
 
 PhotoPixels read_photo(const std::filesystem::path& file, const ImageBytes& bytes) {
-  const OpenImage image = open_photo(file, bytes);
-  const OIIO::ImageSpec spec = image.spec();
-  PhotoPixels pixels{.size = {spec.width, spec.height}};
-  pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
-  const Channels channels = color_channels(spec);
-  read_channels(*image.input, channels, OIIO::TypeUInt8, pixels.values.data(), sizeof(pixels.values[0]),
-                file);
-  if (channels.count == 1)
+  const std::unique_ptr<ImageReader> image = open_photo(file, bytes);
+  const ImageHeader& header = image->header();
+  PhotoPixels pixels{.size = {header.width, header.height}};
+  pixels.values.resize(static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height));
+  const ChannelRun channels = color_channels(header);
+  const bool is_grey = channels.end - channels.begin == 1;
+  read_channels(*image, channels, ValueType::uint8, pixels.values.data(), sizeof(pixels.values[0]), file);
+  if (is_grey)
     for (std::array<std::uint8_t, 3>& value : pixels.values) value[1] = value[2] = value[0];
   return pixels;
 }

@@ -22,6 +22,7 @@ WITHOUT_HEADER = {
     "database/postgres/values.cpp": "functions of SQL, declared in database/postgres/alidade_pg--1.0.sql",
     "database/server/no_server.cpp": "database/server/server_clouds.h in builds without PostgreSQL's client library",
     "database/sqlite/module.cpp": "the function that SQLite calls",
+    "image/backend/openimageio.cpp": "the module that image/backend.cpp loads",
     "octree/simd/box_search.cpp": "search<Bounds> of octree/simd/search.h",
     "octree/simd/enclosing_spheres.cpp": "octree/enclosing_spheres.h: all SIMD code is in simd/, what users include is not",
     "octree/simd/point_search.cpp": "search<glm::dvec3> of octree/simd/search.h",
