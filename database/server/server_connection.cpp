@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/server_connection.h"
 
-#include <dlfcn.h>
 #include <libpq-fe.h>
 #include <poll.h>
 #include <algorithm>
@@ -11,35 +10,22 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/shared_library.h"
 
 namespace alidade::database {
 
 namespace {
 
-/// The version of the interface, which has been the same since PostgreSQL 8.2.
-constexpr const char* k_file = "libpq.so.5";
-
-[[noreturn]] void reject_library() {
-  const char* const reason = ::dlerror();
-  throw input_error("server connections require the PostgreSQL client library",
-                    "the package libpq5 or an equivalent", reason != nullptr ? reason : k_file);
-}
-
-/// PostgreSQL's client library, which is loaded at the first use of a server: with its dependencies,
-/// that takes longer than the work of many commands. It remains loaded. Errors: it is missing.
+/// PostgreSQL's client library, which is loaded at the first use of a server. Errors: it is missing.
 class ServerLibrary {
   template <class Function>
   Function find(const char* name) const {
-    void* const found = ::dlsym(library_, name);
-    if (found == nullptr) reject_library();
-    return reinterpret_cast<Function>(found);
+    return reinterpret_cast<Function>(library_.find(name));
   }
 
-  void* library_ = [] {
-    void* const library = ::dlopen(k_file, RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) reject_library();
-    return library;
-  }();
+  // The version of the interface, which has been the same since PostgreSQL 8.2.
+  SharedLibrary library_{"libpq.so.5", "server connections require the PostgreSQL client library",
+                         "the package libpq5 or an equivalent"};
 
  public:
 #define ALIDADE_FROM_LIBPQ(name, function) decltype(&::function) name = find<decltype(&::function)>(#function)
