@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "geo/crs_library.h"
 
-#include <cpl_conv.h>
 #include <algorithm>
 #include <string_view>
 
@@ -99,7 +98,7 @@ CrsAgreement compare_heights(const Crs& a, const std::string& wkt_a, const Crs& 
 }  // namespace
 
 std::string library_wkt(const Crs& crs) {
-  const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
+  const GdalOption heights("GTIFF_REPORT_COMPD_CS", "YES");
   const std::string wkt = wkt_of(crs);
   if (!crs.wkt.empty()) return wkt;
   // GDAL's name for keys that it cannot read.

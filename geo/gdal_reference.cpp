@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "geo/gdal_reference.h"
 
-#include <cpl_conv.h>
-#include <gdal_frmts.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -193,15 +191,6 @@ std::optional<glm::dvec2> transformed(glm::dvec2 position, const GdalTransformat
   if (OCTTransform(transformation.get(), 1, &position.x, &position.y, nullptr) == 0) return {};
   if (!std::isfinite(position.x) || !std::isfinite(position.y)) return {};
   return position;
-}
-
-glm::dvec2 transformed(const glm::dvec2& position, const GdalTransformation& transformation,
-                       const std::string& source) {
-  const QuietGdal quiet;
-  const std::optional<glm::dvec2> image = transformed(position, transformation);
-  if (image) return *image;
-  throw file_error(source, "cannot transform a position to the cloud's reference system", {},
-                   fmt::format("{}, {}", position.x, position.y));
 }
 
 }  // namespace alidade::geo

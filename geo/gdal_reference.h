@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cpl_error.h>
-#include <cpl_vsi.h>
 #include <fmt/format.h>
-#include <gdal.h>
-#include <ogr_srs_api.h>
 #include <cstddef>
 #include <filesystem>
 #include <glm/vec2.hpp>
@@ -15,6 +11,7 @@
 #include <string>
 
 #include "cloud/crs.h"
+#include "geo/gdal.h"
 #include "geo/vector_file.h"
 
 // Objects of GDAL, released when they are no longer used.
@@ -31,6 +28,22 @@ class QuietGdal {
   ~QuietGdal() { CPLPopErrorHandler(); }
   QuietGdal(const QuietGdal&) = delete;
   QuietGdal& operator=(const QuietGdal&) = delete;
+};
+
+/// Sets an option of GDAL for this thread while this lives.
+class GdalOption {
+ public:
+  GdalOption(const char* name, const char* value) : name_(name) {
+    if (const char* const before = CPLGetThreadLocalConfigOption(name, nullptr)) before_ = before;
+    CPLSetThreadLocalConfigOption(name, value);
+  }
+  ~GdalOption() { CPLSetThreadLocalConfigOption(name_, before_ ? before_->c_str() : nullptr); }
+  GdalOption(const GdalOption&) = delete;
+  GdalOption& operator=(const GdalOption&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_{};
 };
 
 /// A file in memory under a name of its own, by default that of a TIFF file, that is gone with this object.
@@ -62,12 +75,12 @@ std::string expected_system(const std::string& text, const std::string& usual);
 [[noreturn]] void fail_geotiff(const std::filesystem::path& file, const char* what);
 
 /// An object that GDAL made, released by the function `release` when it is no longer used.
-template <auto release>
+template <const auto& release>
 struct GdalRelease {
-  void operator()(void* handle) const { release(handle); }
+  void operator()(auto* object) const { release(object); }
 };
-template <auto release>
-using GdalHandle = std::unique_ptr<void, GdalRelease<release>>;
+template <const auto& release, class Object = void>
+using GdalHandle = std::unique_ptr<Object, GdalRelease<release>>;
 
 using GdalDataset = GdalHandle<GDALClose>;
 using GdalReference = GdalHandle<OSRRelease>;
@@ -92,17 +105,11 @@ GdalReference globe_reference();
 /// Null if there is no transformation from one to the other.
 GdalTransformation transformation_between(const GdalReference& from, const GdalReference& to);
 
-/// The transformation from a file's reference system, `own` (WKT, empty if the file has none), to the
-/// cloud's; null if positions need none, because the systems are equal or both missing. Errors name `source`:
-/// only one system is given; GDAL does not understand one; there is no transformation.
+/// The transformation of move_to_cloud(); null if positions need none.
 GdalTransformation transformation_to_cloud(const std::string& own, const ObserverReference& reference,
                                            const std::string& source);
 
 /// Transforms a position; empty if it has no image in the other system.
 std::optional<glm::dvec2> transformed(glm::dvec2 position, const GdalTransformation& transformation);
-
-/// Transforms a position to the cloud's reference system. Errors, which name `source`: it has no image there.
-glm::dvec2 transformed(const glm::dvec2& position, const GdalTransformation& transformation,
-                       const std::string& source);
 
 }  // namespace alidade::geo

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "geo/geopackage.h"
 
-#include <cpl_conv.h>
 #include <fmt/format.h>
-#include <ogr_api.h>
-#include <ogrsf_frmts.h>
 #include <cassert>
 
 #include "base/output_file.h"
@@ -20,18 +17,6 @@ using Geometry = GdalHandle<OGR_G_DestroyGeometry>;
   throw file_error(file,
                    fmt::format("cannot write the GeoPackage: {}{}{}", what, said.empty() ? "" : ": ", said));
 }
-
-/// Gives the file a date that does not depend on when it is written.
-class FixedDate {
- public:
-  FixedDate() { CPLSetThreadLocalConfigOption(k_option, "2014-02-10T00:00:00.000Z"); }
-  ~FixedDate() { CPLSetThreadLocalConfigOption(k_option, nullptr); }
-  FixedDate(const FixedDate&) = delete;
-  FixedDate& operator=(const FixedDate&) = delete;
-
- private:
-  static constexpr const char* k_option = "OGR_CURRENT_DATE";
-};
 
 /// The plane reference of a system. For a missing one the format has "undefined Cartesian"; GDAL takes
 /// degrees instead if it is given none.
@@ -116,7 +101,8 @@ void write_geopackage(const std::filesystem::path& file, const std::vector<Vecto
   check_geopackage_name(file);
   OutputFile output(file, overwrite);
   const QuietGdal quiet;
-  const FixedDate date;
+  // Bytes do not depend on when the file is written.
+  const GdalOption date("OGR_CURRENT_DATE", "2014-02-10T00:00:00.000Z");
   RegisterOGRGeoPackage();
   const GdalReference reference = reference_or_undefined(crs);
   const GDALDriverH driver = GDALGetDriverByName("GPKG");

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "geo/http_source.h"
 
-#include <cpl_conv.h>
-#include <cpl_http.h>
-#include <cpl_string.h>
 #include <fmt/format.h>
 #include <unistd.h>
 #include <algorithm>
@@ -109,9 +106,10 @@ std::string headers_of(const HttpRequest& request) {
   const char* const own = CPLGetConfigOption("GDAL_HTTP_HEADERS", nullptr);
   if (own == nullptr) return headers;
   const bool has_lines = std::strstr(own, "\r\n") != nullptr;
-  const CPLStringList list(has_lines ? CSLTokenizeString2(own, "\r\n", 0)
-                                     : CSLTokenizeString2(own, ",", CSLT_HONOURSTRINGS));
-  for (int i = 0; i < list.size(); ++i) headers += std::string("\r\n") + list[i];
+  const GdalHandle<CSLDestroy, char*> list(has_lines ? CSLTokenizeString2(own, "\r\n", 0)
+                                                     : CSLTokenizeString2(own, ",", CSLT_HONOURSTRINGS));
+  for (char** one = list.get(); one != nullptr && *one != nullptr; ++one)
+    headers += std::string("\r\n") + *one;
   return headers;
 }
 
@@ -191,23 +189,18 @@ class Transfer {
   std::shared_ptr<ScratchFile> whole{};  ///< has all of the body
   bool is_too_long = false;
   std::exception_ptr problem{};
-  std::unique_ptr<CPLHTTPResult, decltype(&CPLHTTPDestroyResult)> result{nullptr, &CPLHTTPDestroyResult};
+  GdalHandle<CPLHTTPDestroyResult, CPLHTTPResult> result{};
 
  private:
   void run(const std::string& url, const std::string& headers) {
     {
       const QuietGdal quiet;
       const Session session;
-      CPLStringList options;
-      options.SetNameValue("HEADERS", headers.c_str());
-      // A session would send no bodies from then on.
-      if (part_ == HttpPart::headers)
-        options.SetNameValue("NO_BODY", "YES");
-      else
-        options.SetNameValue("PERSISTENT", session.name().c_str());
-      options.SetNameValue("MAX_RETRY", "0");
-      result.reset(
-          CPLHTTPFetchEx(url.c_str(), options.List(), &Transfer::go_on, this, &Transfer::write, this));
+      const std::string stated = "HEADERS=" + headers;
+      // A session would send no bodies after a request without one.
+      const std::string mode = part_ == HttpPart::headers ? "NO_BODY=YES" : "PERSISTENT=" + session.name();
+      const char* const options[] = {stated.c_str(), mode.c_str(), "MAX_RETRY=0", nullptr};
+      result.reset(CPLHTTPFetchEx(url.c_str(), options, &Transfer::go_on, this, &Transfer::write, this));
     }
     done_.set_value();
   }

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "geo/raster_file.h"
 
-#include <cpl_conv.h>
 #include <fmt/format.h>
-#include <gdal.h>
-#include <gdal_frmts.h>
 
 #include <algorithm>
 #include <cassert>
@@ -98,7 +95,7 @@ void encode(void* dataset, const char* resampling, const std::filesystem::path& 
 GdalDataset open_raster(const std::filesystem::path& file) {
   GDALAllRegister();
   // Without this option a GeoTIFF file would lose its vertical part.
-  const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
+  const GdalOption heights("GTIFF_REPORT_COMPD_CS", "YES");
   return GdalDataset(GDALOpenEx(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
 }
 

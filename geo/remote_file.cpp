@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "geo/remote_file.h"
 
-#include <cpl_conv.h>
-#include <cpl_json.h>
-#include <cpl_vsi.h>
-#include <cpl_vsi_error.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
@@ -13,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <regex>
 #include <string_view>
@@ -107,12 +104,13 @@ class VirtualFile final : public RemoteFile {
   VirtualFile(const std::string& name, const std::string& path) : name_(name) {
     const QuietGdal quiet;
     VSIErrorReset();
-    // Does not list the other files of its folder.
-    constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
-    CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
-    handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
-    const std::string time = handle_ ? time_of(path) : "";
-    CPLSetThreadLocalConfigOption(k_list, nullptr);
+    std::string time;
+    {
+      // Does not list the other files of its folder.
+      const GdalOption list("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
+      handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
+      if (handle_) time = time_of(path);
+    }
     if (!handle_) {
       VSICurlPartialClearCache(path.c_str());  // where GDAL remembers failures, it does so without the reason
       fail_to_open(name);
@@ -134,12 +132,8 @@ class VirtualFile final : public RemoteFile {
   }
 
  private:
-  struct Close {
-    void operator()(VSILFILE* file) const { VSIFCloseL(file); }
-  };
-
   std::string name_, version_;
-  std::unique_ptr<VSILFILE, Close> handle_;
+  GdalHandle<VSIFCloseL, VSILFILE> handle_;
   std::uint64_t size_ = 0;
 };
 
@@ -375,12 +369,13 @@ std::unique_ptr<RemoteFile> open_remote_file(const std::string& name, const Remo
 
 RemoteTraffic remote_traffic() {
   RemoteTraffic traffic = http_traffic();
-  const std::unique_ptr<char, decltype(&VSIFree)> text(VSINetworkStatsGetAsSerializedJSON(nullptr), &VSIFree);
-  CPLJSONDocument document;
-  if (!text || !document.LoadMemory(text.get())) return traffic;
-  for (const CPLJSONObject& method : document.GetRoot().GetObj("methods").GetChildren()) {
-    traffic.requests += static_cast<std::uint64_t>(method.GetLong("count"));
-    traffic.bytes += static_cast<std::uint64_t>(method.GetLong("downloaded_bytes"));
+  const GdalHandle<VSIFree, char> text(VSINetworkStatsGetAsSerializedJSON(nullptr));
+  if (!text) return traffic;
+  const nlohmann::json document = nlohmann::json::parse(text.get(), nullptr, false);
+  if (!document.contains("methods")) return traffic;
+  for (const nlohmann::json& method : document["methods"]) {
+    traffic.requests += method.value("count", std::uint64_t{0});
+    traffic.bytes += method.value("downloaded_bytes", std::uint64_t{0});
   }
   return traffic;
 }

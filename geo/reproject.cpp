@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "geo/reproject.h"
 
-#include <cpl_conv.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
 #include <cmath>
@@ -115,12 +114,6 @@ class Mover {
 };
 
 }  // namespace
-
-std::string library_versions() {
-  int major = 0, minor = 0, patch = 0;
-  OSRGetPROJVersion(&major, &minor, &patch);
-  return fmt::format("GDAL {}, PROJ {}.{}.{}", GDALVersionInfo("RELEASE_NAME"), major, minor, patch);
-}
 
 Crs crs_of_text(const std::string& text) {
   const QuietGdal quiet;

@@ -44,7 +44,4 @@ Crs crs_of_text(const std::string& text);
 /// contain any text.
 std::string projjson_of(const Crs& crs);
 
-/// "GDAL 3.6.2, PROJ 9.1.1": the libraries that read and write maps, and transform between systems.
-std::string library_versions();
-
 }  // namespace alidade::geo

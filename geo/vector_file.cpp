@@ -2,11 +2,9 @@
 #include "geo/vector_file.h"
 
 #include <fmt/format.h>
-#include <ogr_api.h>
-#include <ogr_srs_api.h>
-#include <ogrsf_frmts.h>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "base/error.h"
 #include "geo/gdal_reference.h"
@@ -172,6 +170,20 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   return wkt_of_layer(layer);
 }
 
+MoveToCloud move_to_cloud(const std::string& own, const ObserverReference& reference,
+                          const std::string& source) {
+  const auto transformation =
+      std::make_shared<const GdalTransformation>(transformation_to_cloud(own, reference, source));
+  if (!*transformation) return nullptr;
+  return [transformation](const glm::dvec2& position, const std::string& owner) {
+    const QuietGdal quiet;
+    const std::optional<glm::dvec2> image = transformed(position, *transformation);
+    if (image) return *image;
+    throw file_error(owner, "cannot transform a position to the cloud's reference system", {},
+                     fmt::format("{}, {}", position.x, position.y));
+  };
+}
+
 std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
                                         const ObserverReference& reference) {
   std::vector<PlanePolygon> polygons;
@@ -186,11 +198,11 @@ std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
                                            take);
   std::erase_if(polygons, [](const PlanePolygon& polygon) { return polygon.rings.empty(); });
   if (polygons.empty()) throw file_error(path, "contains no polygons", "at least one");
-  const GdalTransformation transformation = transformation_to_cloud(wkt, reference, path.string());
-  if (!transformation) return polygons;
+  const MoveToCloud move = move_to_cloud(wkt, reference, path.string());
+  if (!move) return polygons;
   for (PlanePolygon& polygon : polygons) {
     for (std::vector<glm::dvec2>& ring : polygon.rings) {
-      for (glm::dvec2& corner : ring) corner = transformed(corner, transformation, path.string());
+      for (glm::dvec2& corner : ring) corner = move(corner, path.string());
     }
   }
   return polygons;

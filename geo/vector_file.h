@@ -77,11 +77,20 @@ struct ObserverReference {
   std::string whose = "observers";         ///< in messages
 };
 
+/// Transforms a position to the cloud's reference system. Errors, which name `source`: it has no image there.
+using MoveToCloud = std::function<glm::dvec2(const glm::dvec2& position, const std::string& source)>;
+
+/// From a file's reference system, `own` (WKT, empty if the file has none), to the cloud's; empty if positions
+/// stay as they are, because the systems are equal or both missing. Errors, which name `source`: only one
+/// system is given; GDAL does not understand one; there is no transformation.
+MoveToCloud move_to_cloud(const std::string& own, const ObserverReference& reference,
+                          const std::string& source);
+
 /// Reads the polygons of a GeoJSON, GeoPackage or Shapefile, in the cloud's reference system: those of all
 /// features, also multi-polygons and collections of such, arcs as short chords. Heights are ignored. The
 /// corners are transformed: the edges between them are straight in the cloud's system. Errors:
 /// not such a file, damaged, more than one layer; other geometries than polygons, or none; coordinates that
-/// are no numbers; transformation_to_cloud().
+/// are no numbers; those of move_to_cloud().
 std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
                                         const ObserverReference& reference);
 

@@ -18,6 +18,9 @@
 #include "base/words.h"
 #include "cloud/crs.h"
 #include "database/server/server_name.h"
+#include "geo/crs_library.h"
+#include "geo/gdal_library.h"
+#include "geo/remote_file.h"
 #include "tools/image_module.h"
 #include "tools/view_options.h"
 
@@ -194,7 +197,7 @@ std::string metadata_command(const CommandLine& words) {
 std::string version_text() {
   std::string module;
   try {
-    module = image_module().image_library() + ", " + image_module().map_libraries();
+    module = image_module().image_library() + ", " + geo::library_versions();
   } catch (const std::exception& error) {
     module = error.what();
   }
@@ -213,10 +216,9 @@ ExitCode run_program(const CommandLine& command_line) {
   set_remote_files([](const std::string& name) {
     geo::RemoteOptions options = remote_options();
     options.hosts = hosts_for(name);
-    return loaded_image_module().open_remote_file(name, options);
+    return geo::open_remote_file(name, options);
   });
-  use_crs_library({.compare = [](const Crs& a, const Crs& b) { return image_module().compare_systems(a, b); },
-                   .wkt = [](const Crs& crs) { return image_module().library_wkt(crs); }});
+  use_crs_library({.compare = &geo::compare_systems, .wkt = &geo::library_wkt});
   Parser parser;
   const Options program = parser.program();
   const std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),

@@ -35,7 +35,8 @@ std::filesystem::path module_file() {
 
 }  // namespace
 
-const ImageModule& loaded_image_module() {
+const ImageModule& image_module() {
+  RemoteMap::check_all();
   static const ImageModule& module = []() -> const ImageModule& {
     const std::filesystem::path file = module_file();
     void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -45,11 +46,6 @@ const ImageModule& loaded_image_module() {
     return *reinterpret_cast<const ImageModule* (*)()>(function)();
   }();
   return module;
-}
-
-const ImageModule& image_module() {
-  RemoteMap::check_all();
-  return loaded_image_module();
 }
 
 }  // namespace alidade::tools

@@ -14,7 +14,8 @@
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "database/sqlite/where_clause.h"
-#include "tools/image_module.h"
+#include "geo/reproject.h"
+#include "geo/vector_file.h"
 
 namespace alidade::tools {
 namespace {
@@ -59,7 +60,7 @@ struct PolygonFile {
     const auto found = std::ranges::find(by_system, crs, &std::pair<Crs, std::vector<PlanePolygon>>::first);
     if (found != by_system.end()) return found->second;
     by_system.emplace_back(
-        crs, image_module().read_polygons(
+        crs, geo::read_polygons(
                  file, {.given = given_system, .cloud = crs, .option = "--crop-crs", .whose = "polygons"}));
     return by_system.back().second;
   }
@@ -115,8 +116,8 @@ void choose_zone(ViewRequest& request) {
   if (box.empty())
     throw file_error(cloud.name, "cannot choose a zone of UTM: the file does not state its bounds",
                      "--reproject EPSG:n");
-  const Crs crs = image_module().change_reference({.stated = request.stated_system}, cloud.name, facts).crs;
-  request.zone = image_module().metric_system(crs, box.center(), cloud.name);
+  const Crs crs = geo::change_reference({.stated = request.stated_system}, cloud.name, facts).crs;
+  request.zone = geo::metric_system(crs, box.center(), cloud.name);
 }
 
 }  // namespace
@@ -192,10 +193,9 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
     if (is_automatic)
       tbb::this_task_arena::isolate(
           [&] { std::call_once(target->is_zone_chosen, choose_zone, std::ref(*target)); });
-    return image_module().change_reference(
-        {target->stated_system, is_automatic ? target->zone : target->wanted_system,
-         target->view->height_unit, target->view->has_one_unit},
-        file, facts);
+    return geo::change_reference({target->stated_system, is_automatic ? target->zone : target->wanted_system,
+                                  target->view->height_unit, target->view->has_one_unit},
+                                 file, facts);
   };
   group.value("--columns", "NAMES",
               "titles of the columns of text files that have none, such as x,y,z,intensity,gps_time or "

@@ -8,7 +8,6 @@
 #include "base/csv_table.h"
 #include "base/error.h"
 #include "base/words.h"
-#include "geo/gdal_reference.h"
 
 namespace alidade::visibility {
 namespace {
@@ -152,11 +151,9 @@ std::vector<GivenObserver> read_observer_table(InputFile& file) {
 void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
                         const geo::ObserverReference& reference) {
   if (observers.empty()) return;
-  const geo::GdalTransformation transformation =
-      geo::transformation_to_cloud(own, reference, observers.front().source);
-  if (!transformation) return;
-  for (GivenObserver& observer : observers)
-    observer.position = geo::transformed(observer.position, transformation, observer.source);
+  const geo::MoveToCloud move = geo::move_to_cloud(own, reference, observers.front().source);
+  if (!move) return;
+  for (GivenObserver& observer : observers) observer.position = move(observer.position, observer.source);
 }
 
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,

@@ -20,10 +20,11 @@
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/crs.h"
+#include "geo/earth.h"
 #include "geo/geopackage.h"
+#include "geo/reproject.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 #include "tools/view_options.h"
 
 namespace alidade::tools {
@@ -180,10 +181,10 @@ std::vector<std::vector<glm::dvec3>> outlines_on_globe(const std::vector<FileRow
       std::ranges::copy(outline(rows[i].box), std::back_inserter(positions));
     }
     // All at once: to set up the transformation takes longer than to apply it.
-    const auto moved = image_module().lon_lat(systems[system], positions);
+    const auto moved = geo::lon_lat(systems[system], positions);
     for (std::size_t i = 0; i < files.size(); ++i) {
       const std::span<const glm::dvec3> own = std::span<const glm::dvec3>(positions).subspan(8 * i, 8);
-      const auto alone = moved ? std::nullopt : image_module().lon_lat(systems[system], own);
+      const auto alone = moved ? std::nullopt : geo::lon_lat(systems[system], own);
       if (moved)
         outlines[files[i]].assign(moved->begin() + 8 * static_cast<std::ptrdiff_t>(i),
                                   moved->begin() + 8 * static_cast<std::ptrdiff_t>(i + 1));
@@ -195,7 +196,7 @@ std::vector<std::vector<glm::dvec3>> outlines_on_globe(const std::vector<FileRow
 
 /// The properties of the projection extension that name a system: its code, else its definition.
 Json projection_of(const Crs& crs) {
-  const Json parsed = Json::parse(image_module().projjson_of(crs), nullptr, false);
+  const Json parsed = Json::parse(geo::projjson_of(crs), nullptr, false);
   if (!parsed.is_object()) return {{"proj:code", nullptr}};
   if (const auto id = parsed.find("id"); id != parsed.end() && id->is_object() && id->contains("code")) {
     const Json& code = id->at("code");
@@ -330,7 +331,7 @@ void write_footprints(const CatalogCommand& command, const std::vector<FileRow>&
                                static_cast<std::int64_t>(row.byte_count),
                                row.modified.empty() ? geo::VectorValue() : row.modified}});
   }
-  image_module().write_geopackage(command.output, {layer}, systems[rows.front().system], command.overwrite);
+  geo::write_geopackage(command.output, {layer}, systems[rows.front().system], command.overwrite);
 }
 
 ExitCode run(const CatalogCommand& command) {

@@ -25,12 +25,12 @@
 #include "cloud/select_points.h"
 #include "cloud/text/write_text.h"
 #include "database/parquet/write_parquet.h"
+#include "geo/reproject.h"
 #include "octree/build.h"
 #include "octree/point_surface.h"
 #include "tools/cloud/index.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 #include "tools/view_options.h"
 
 namespace alidade::tools {
@@ -137,7 +137,7 @@ database::ParquetOptions parquet_options(const ConvertCommand& command, const Pr
   database::ParquetOptions options{.geometry = command.geometry,
                                    .overwrite = command.overwrite,
                                    .memory = command.memory,
-                                   .projjson = [](const Crs& crs) { return image_module().projjson_of(crs); },
+                                   .projjson = &geo::projjson_of,
                                    .progress = progress};
   options.group_points = command.group_points.value_or(options.group_points);
   return options;

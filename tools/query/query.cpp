@@ -9,9 +9,9 @@
 
 #include "base/words.h"
 #include "cloud/rows.h"
+#include "geo/remote_file.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 #include "tools/query/queried_cloud.h"
 #include "tools/query/target_reader.h"
 
@@ -428,7 +428,7 @@ bool is_any_remote(const CloudInputs& clouds) {
 /// What was fetched from servers, as lines of a table; empty if all files are on this machine.
 std::string traffic_table(const CloudInputs& clouds) {
   if (!is_any_remote(clouds)) return "";
-  const geo::RemoteTraffic traffic = image_module().remote_traffic();
+  const geo::RemoteTraffic traffic = geo::remote_traffic();
   return fmt::format("{:<22}{:>16}\n{:<22}{:>16}\n", "remote requests", traffic.requests, "remote bytes",
                      traffic.bytes);
 }

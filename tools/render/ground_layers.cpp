@@ -11,7 +11,6 @@
 #include "cloud/read_cloud.h"
 #include "geo/raster_file.h"
 #include "octree/tree_walk.h"
-#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -103,7 +102,7 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
     const char* const name = k_ground_layers[static_cast<std::size_t>(layer)];
     const auto write = [&](const auto& values, double no_data) {
       const geo::RasterBand band{.values = std::span(values), .no_data = no_data, .description = name};
-      image_module().write_raster(files[i], {.grid = grid, .bands = {band}, .crs = cloud.crs}, overwrite);
+      geo::write_raster(files[i], {.grid = grid, .bands = {band}, .crs = cloud.crs}, overwrite);
       say_note(verbosity, fmt::format("wrote {}", files[i].string()));
     };
     const auto write_attribute = [&](const auto& column, auto none) {

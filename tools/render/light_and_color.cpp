@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/words.h"
+#include "geo/sun.h"
 #include "renderer/integrator.h"
 #include "tools/image_module.h"
 
@@ -22,8 +23,8 @@ void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* clou
   std::optional<geo::SceneMap> map;
   if (cloud != nullptr && cloud->octree.size() > 0)
     map = geo::SceneMap{cloud->crs, glm::dvec2(renderer::visible_bounds(*cloud).center())};
-  const geo::PlacedSun placed = image_module().place_sun(*scene.sun_by_time, map);
-  scene.sun_origin = image_module().describe_sun(*scene.sun_by_time, placed);
+  const geo::PlacedSun placed = geo::place_sun(*scene.sun_by_time, map);
+  scene.sun_origin = geo::describe(*scene.sun_by_time, placed);
   scene.sun_by_time.reset();
   if (placed.is_up) scene.sun = placed.sun;
   say_note(verbosity, scene.sun_origin);

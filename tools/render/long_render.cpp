@@ -8,6 +8,7 @@
 #include "renderer/checkpoint.h"
 #include "renderer/merge_parts.h"
 #include "renderer/noise.h"
+#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "renderer/image_metadata.h"
 #include "renderer/render.h"
-#include "tools/image_module.h"
 #include "tools/options.h"
 
 // Renders that take long: they stop by time or by noise, show previews, and can be resumed.

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "base/words.h"
+#include "geo/raster_file.h"
 #include "octree/point_surface.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/mesh_files.h"
-#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -63,7 +63,7 @@ BlockingTerrain terrain_of(geo::HeightRaster raster, const std::filesystem::path
 geo::HeightRaster read_heights_shown(const std::filesystem::path& file, Verbosity verbosity) {
   geo::HeightRaster raster =
       with_progress("reading raster", "cells", verbosity,
-                    [&](const Progress& progress) { return image_module().read_heights(file, progress); });
+                    [&](const Progress& progress) { return geo::read_heights(file, progress); });
   if (!raster.heights_note.empty()) say_warnings(verbosity, {file.string() + ": " + raster.heights_note});
   return raster;
 }
@@ -77,7 +77,7 @@ bool is_raster_alone(const CloudInputs& files) {
       input.is(k_text_format) && !has_extension(input.name, {".csv", ".txt", ".xyz", ".pts"});
   std::error_code error;
   return (input.format == nullptr || may_be_text) && std::filesystem::is_regular_file(input.name, error) &&
-         image_module().is_raster(input.name);
+         geo::is_raster(input.name);
 }
 
 /// Loads a raster as terrain, without points.

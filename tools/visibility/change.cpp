@@ -9,9 +9,9 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 #include "tools/view_options.h"
 #include "tools/visibility/blocking_cloud.h"
+#include "visibility/read_observers.h"
 
 namespace alidade::tools {
 namespace {
@@ -68,8 +68,7 @@ std::vector<glm::dvec3> origins_of(const EpochRequest& request, const PointCloud
   if (!request.origins_file.empty()) {
     const geo::ObserverReference reference{
         .cloud = cloud.crs, .option = request.files_option, .whose = "scanner positions"};
-    for (const visibility::GivenObserver& one :
-         image_module().read_observers(request.origins_file, reference)) {
+    for (const visibility::GivenObserver& one : visibility::read_observers(request.origins_file, reference)) {
       if (!one.z) throw file_error(one.source, "a scanner position has no height", "x, y and z");
       origins.emplace_back(one.position, *one.z + one.height.value_or(0.0));
     }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/horizon/horizon.h"
-#include "base/words.h"
 
 #include <fmt/format.h>
 
 #include "base/output_file.h"
+#include "base/words.h"
 #include "camera/camera.h"
 #include "cloud/axis_units.h"
+#include "geo/earth.h"
+#include "geo/gdal_library.h"
 #include "renderer/image_metadata.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
@@ -109,7 +111,7 @@ void write_line(const HorizonCommand& command, const VisibilityCloud& cloud, con
   std::string text;
   if (is_geojson(command.output)) {
     const auto on_globe =
-        image_module().lon_lat(cloud.cloud.cloud.crs, visibility::horizon_positions(view.line, view.facts));
+        geo::lon_lat(cloud.cloud.cloud.crs, visibility::horizon_positions(view.line, view.facts));
     if (!on_globe && command.verbosity != Verbosity::quiet) warn_of_cloud_coordinates(command.output);
     text = visibility::horizon_geojson(view.line, view.facts, on_globe);
   } else {
@@ -180,8 +182,9 @@ void say_findings(const HorizonCommand& command, const View& view) {
 
 ExitCode run(const HorizonCommand& command) {
   check_options(command);
-  // Fails before the work if the module that writes the output is missing.
-  if (!command.skyline.empty() || !command.depth.empty() || is_geojson(command.output)) image_module();
+  // Fails before the work if what writes the output is missing.
+  if (!command.skyline.empty() || !command.depth.empty()) image_module();
+  if (is_geojson(command.output)) geo::load_gdal();
   const Verbosity verbosity = command.verbosity;
   check_given(command.observers);
   const auto cloud = load_cloud_alone(command, Attribute::classification, AcceptedInput::points_or_raster);

@@ -4,10 +4,10 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "geo/earth.h"
 #include "octree/distance.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
@@ -194,7 +194,7 @@ std::vector<visibility::LinePair> pairs_of(const LineSet& lines, const visibilit
 /// Metres of the cloud's unit; empty if it is not known.
 std::optional<double> known_unit(const VisibilityCloud& cloud) {
   const Crs& crs = cloud.cloud.cloud.crs;
-  return crs.empty() ? std::nullopt : image_module().metres_per_unit(crs);
+  return crs.empty() ? std::nullopt : geo::metres_per_unit(crs);
 }
 
 /// Metres of the cloud's unit, 1 without a reference system. Errors: a reference system without a linear

@@ -6,6 +6,8 @@
 
 #include "base/words.h"
 #include "cloud/axis_units.h"
+#include "geo/earth.h"
+#include "geo/gdal_library.h"
 #include "image/font.h"
 #include "tools/image_module.h"
 #include "visibility/raster/map_targets.h"
@@ -70,7 +72,7 @@ std::string ground_text(const visibility::Ground& ground) {
 CloudUnit cloud_unit(const Crs& crs) {
   if (crs.empty()) return {};
   CloudUnit unit;
-  unit.metres = image_module().metres_per_unit(crs);
+  unit.metres = geo::metres_per_unit(crs);
   if (!unit.metres) {
     const std::string stated = plane_unit_label(crs);
     if (stated.empty()) return {};
@@ -105,8 +107,9 @@ std::string given_map_option(const MapOptions& map) {
 
 void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files) {
-  image_module();
+  geo::load_gdal();
   if (map.preview.empty()) return;
+  image_module();
   if (file_extension(map.preview) != ".png")
     throw file_error(map.preview, "unknown output format", "the extension .png");
   check_writable(map.preview, overwrite, other_files);

@@ -23,7 +23,7 @@ struct CloudUnit {
 };
 
 /// The unit by GDAL, which reads the definition of a code, else plane_unit_label() (cloud/axis_units.h).
-/// Requires: not degrees. Errors: those of image_module().
+/// Requires: not degrees. Errors: those of geo::load_gdal().
 CloudUnit cloud_unit(const Crs& crs);
 
 // What all maps of the ground have in common: viewsheds, maps of the sky, maps of the sun.

@@ -6,7 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "tools/image_module.h"
+#include "visibility/read_observers.h"
 
 namespace alidade::tools {
 namespace {
@@ -60,9 +60,9 @@ std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options
   const geo::ObserverReference reference{
       .given = options.reference, .cloud = crs, .option = options.reference_option};
   std::vector<visibility::GivenObserver> given = options.positions;
-  if (!options.reference.empty() && !given.empty()) image_module().to_cloud_reference(given, "", reference);
+  if (!options.reference.empty() && !given.empty()) visibility::to_cloud_reference(given, "", reference);
   if (options.file.empty()) return given;
-  const std::vector<visibility::GivenObserver> read = image_module().read_observers(options.file, reference);
+  const std::vector<visibility::GivenObserver> read = visibility::read_observers(options.file, reference);
   given.insert(given.end(), read.begin(), read.end());
   return given;
 }

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "camera/camera_json.h"
 #include "camera/formats/e57.h"
+#include "geo/gdal_library.h"
 #include "geo/geopackage.h"
 #include "tools/camera_file.h"
 #include "tools/cloud/load_cloud.h"
@@ -22,6 +23,7 @@
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
+#include "visibility/photos/photo_file.h"
 #include "visibility/photos/photo_visibility.h"
 
 namespace alidade::tools {
@@ -247,7 +249,7 @@ ExitCode say_result(const PhotosCommand& command, const VisibilityCloud& cloud,
 void write(const PhotosCommand& command, const VisibilityCloud& cloud,
            std::span<const camera::NamedCamera> cameras, const visibility::PhotoVisibility& seen) {
   if (!command.footprints.empty())
-    image_module().write_photos(seen, cameras, cloud.cloud.cloud.crs, command.footprints, command.overwrite);
+    visibility::write_photos(seen, cameras, cloud.cloud.cloud.crs, command.footprints, command.overwrite);
   if (command.output.empty()) return;
   const CloudResults results{cloud.cloud, columns_of(seen), seen.colors};
   write_points(command.output, {&results, 1}, command.overwrite, command.memory, command.verbosity);
@@ -258,7 +260,7 @@ ExitCode run(const PhotosCommand& command) {
   const Verbosity verbosity = command.verbosity;
   const camera::CameraSet set = read_photo_cameras(command);
   const PhotoReader read_photo = find_photos(command, set.cameras);
-  if (!command.footprints.empty()) image_module();
+  if (!command.footprints.empty()) geo::load_gdal();
   const auto cloud = load_cloud_alone(
       command, command.output.empty() ? AttributeSet(Attribute::classification) : AttributeSet::all());
   check_cameras(command, cloud->octree(), set.cameras);

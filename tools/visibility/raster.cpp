@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "base/error.h"
+#include "geo/raster_file.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
@@ -14,6 +15,7 @@
 #include "visibility/raster/map_targets.h"
 #include "visibility/raster/viewshed.h"
 #include "visibility/raster/viewshed_file.h"
+#include "visibility/read_observers.h"
 
 namespace alidade::tools {
 namespace {
@@ -304,11 +306,11 @@ visibility::SampledObjects load_objects(const ObjectOptions& options, double max
   const geo::ObserverReference reference{
       .given = options.reference, .cloud = crs, .option = "--objects-crs", .whose = "objects"};
   visibility::GivenObjects given;
-  if (!options.file.empty()) given = image_module().read_objects(options.file, reference);
+  if (!options.file.empty()) given = visibility::read_objects(options.file, reference);
   visibility::GivenObjects all;
   std::vector<visibility::GivenObserver> segments = options.segments;
   if (!options.reference.empty() && !segments.empty())
-    image_module().to_cloud_reference(segments, "", reference);
+    visibility::to_cloud_reference(segments, "", reference);
   for (const visibility::GivenObserver& segment : segments) all.add_segment(segment);
   const std::size_t objects = all.count(), corners = all.corners.size();
   for (visibility::ObjectPart part : given.parts) {
@@ -389,7 +391,7 @@ ExitCode run(const RasterCommand& given) {
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
   add_observers(viewpoints.named, kind, contents.metadata);
-  image_module().write_raster(command.output, contents, command.overwrite);
+  geo::write_raster(command.output, contents, command.overwrite);
   if (!command.map.preview.empty()) {
     image_module().write_map_image(visibility::viewshed_image(seen, options, viewpoints.named, unit.name),
                                    ground, command.map.preview, command.overwrite);

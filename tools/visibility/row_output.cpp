@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/row_output.h"
 
-#include "tools/image_module.h"
+#include "geo/earth.h"
+#include "geo/gdal_library.h"
 
 namespace alidade::tools {
 
@@ -12,7 +13,7 @@ visibility::RowForm chosen_row_form(const std::filesystem::path& file) {
 }
 
 void load_row_writer(const std::filesystem::path& file) {
-  if (chosen_row_form(file) == visibility::RowForm::geojson) image_module();
+  if (chosen_row_form(file) == visibility::RowForm::geojson) geo::load_gdal();
 }
 
 void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write) {
@@ -20,9 +21,7 @@ void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const
   for (const CloudFile& file : cloud.files) head.cloud_files.push_back(kept_name(file.path));
   visibility::ToLonLat to_lon_lat;
   if (!cloud.crs.empty()) {
-    to_lon_lat = [&](std::span<const glm::dvec3> positions) {
-      return image_module().lon_lat(cloud.crs, positions);
-    };
+    to_lon_lat = [&](std::span<const glm::dvec3> positions) { return geo::lon_lat(cloud.crs, positions); };
   }
   if (!write(chosen_row_form(request.output), head, to_lon_lat) && request.verbosity != Verbosity::quiet)
     warn_of_cloud_coordinates(request.output);

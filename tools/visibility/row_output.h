@@ -14,15 +14,14 @@ namespace alidade::tools {
 /// The form of rows by the extension of the name. Errors: another extension.
 visibility::RowForm chosen_row_form(const std::filesystem::path& file);
 
-/// Loads the module if it writes such files, so that a run fails before the work. Errors: those of
-/// image_module().
+/// Loads GDAL if such files need it, so that a run fails before the work. Errors: those of geo::load_gdal().
 void load_row_writer(const std::filesystem::path& file);
 
 /// Writes rows, as the functions of the library do; false if a GeoJSON file got the coordinates of the cloud.
 using WriteRows =
     std::function<bool(visibility::RowForm, const visibility::RowFileHead&, const visibility::ToLonLat&)>;
 
-/// Writes the output of a command, and warns if it has the coordinates of the cloud. The module is loaded
+/// Writes the output of a command, and warns if it has the coordinates of the cloud. GDAL is loaded
 /// when the first longitude is needed. Errors: those of `write`.
 void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/words.h"
+#include "geo/raster_file.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/image_module.h"
 #include "tools/visibility/observer_options.h"
@@ -165,7 +166,7 @@ void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<con
   contents.metadata.emplace_back("alidade_target_height",
                                  fmt::format("{:g}", request.map.target_height.value_or(0.0)));
   contents.metadata.emplace_back("alidade_max_distance", fmt::format("{:g}", request.max_distance));
-  image_module().write_raster(request.output, contents, request.overwrite);
+  geo::write_raster(request.output, contents, request.overwrite);
 }
 
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count) {

@@ -14,6 +14,7 @@
 #include "tools/visibility/sun_request.h"
 #include "visibility/horizon/skyline.h"
 #include "visibility/sky/sky_of_cloud.h"
+#include "visibility/sky/sun_path.h"
 
 namespace alidade::tools {
 namespace {
@@ -131,7 +132,7 @@ void write_diagram(const SunCommand& command, const VisibilityCloud& cloud, cons
   visibility::SkylineTexts texts{.title = fmt::format("Path of the sun over {}", observer.name),
                                  .note = {},
                                  .unit = height_unit_label(cloud.cloud.cloud.crs),
-                                 .curves = image_module().sun_curves(sun.schedule)};
+                                 .curves = visibility::sun_curves(sun.schedule)};
   const double offset = sun.schedule.longitude / 15.0;
   const auto minutes = static_cast<int>(std::lround(std::fabs(offset) * 60.0));
   texts.note = fmt::format("{:.2f}, {:.2f}, {:.2f}; hours of mean solar time, UTC {}{}:{:02}",

@@ -8,7 +8,6 @@
 #include "base/fingerprint.h"
 #include "base/words.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -212,8 +211,8 @@ std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud&
     if (cloud.cloud.cloud.crs.empty() && !location)
       location = glm::dvec2(sun->weather->latitude(), sun->weather->longitude());
   }
-  sun->is_map_known = image_module().place_schedule(cloud.cloud.cloud.crs, glm::dvec2(cloud.area().center()),
-                                                    location, schedule);
+  sun->is_map_known = visibility::place_schedule(cloud.cloud.cloud.crs, glm::dvec2(cloud.area().center()),
+                                                 location, schedule);
   schedule.from = begin_of(*command.from, schedule.longitude);
   schedule.to = end_of(command.to.value_or(*command.from), schedule.longitude);
   schedule.step_minutes = command.step_minutes;
@@ -222,8 +221,8 @@ std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud&
   schedule.period = command.period;
   const std::vector<visibility::SunStep> steps =
       with_progress("computing sun positions", "steps", command.verbosity,
-                    [&](const Progress& progress) { return image_module().sun_steps(schedule, progress); });
-  sun->periods = image_module().sun_periods(schedule);
+                    [&](const Progress& progress) { return visibility::sun_steps(schedule, progress); });
+  sun->periods = visibility::sun_periods(schedule);
   sun->steps = steps.size();
   for (const visibility::SunStep& step : steps) sun->hours += step.hours;
   const bool fans = by_horizons(command, cloud);

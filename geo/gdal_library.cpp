@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "geo/gdal_library.h"
+
+#include <fmt/format.h>
+
+#include "base/shared_library.h"
+#include "geo/gdal.h"
+
+namespace alidade::geo {
+
+void* gdal_function(const char* name) {
+  // The name of the interface that the headers describe.
+  static const SharedLibrary library(ALIDADE_GDAL_LIBRARY,
+                                     "maps, reference systems and remote files require GDAL",
+                                     "the package " ALIDADE_GDAL_PACKAGE " or an equivalent");
+  return library.find(name);
+}
+
+void load_gdal() {
+  gdal_function("GDALVersionInfo");
+}
+
+std::string library_versions() {
+  int major = 0, minor = 0, patch = 0;
+  OSRGetPROJVersion(&major, &minor, &patch);
+  return fmt::format("GDAL {}, PROJ {}.{}.{}", GDALVersionInfo("RELEASE_NAME"), major, minor, patch);
+}
+
+}  // namespace alidade::geo
