@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "python/python_cloud.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <pybind11/stl.h>
@@ -24,6 +23,7 @@
 #include "cloud/read_cloud.h"
 #include "database/server/server_clouds.h"
 #include "database/sqlite/stored_cloud.h"
+#include "geo/reproject.h"
 #include "octree/build.h"
 #include "octree/index_file/save_index.h"
 #include "octree/point_surface.h"
@@ -281,39 +281,9 @@ py::array bounds_of(const Cloud& cloud) {
   return array;
 }
 
-/// The WKT of a code of EPSG, by GDAL if it is installed: the module itself works without it.
-std::string wkt_of(int code) {
-  using Handle = void*;
-  Handle const library = ::dlopen("libgdal.so.32", RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr)
-    throw input_error("codes of EPSG need GDAL", "the Debian package libgdal32, or the system as WKT",
-                      fmt::format("EPSG:{}", code));
-  const auto create = reinterpret_cast<Handle (*)(const char*)>(::dlsym(library, "OSRNewSpatialReference"));
-  const auto import = reinterpret_cast<int (*)(Handle, int)>(::dlsym(library, "OSRImportFromEPSG"));
-  const auto write = reinterpret_cast<int (*)(Handle, char**)>(::dlsym(library, "OSRExportToWkt"));
-  const auto destroy = reinterpret_cast<void (*)(Handle)>(::dlsym(library, "OSRDestroySpatialReference"));
-  const auto free_text = reinterpret_cast<void (*)(void*)>(::dlsym(library, "VSIFree"));
-  Handle const system = create(nullptr);
-  char* text = nullptr;
-  const bool is_known = import(system, code) == 0 && write(system, &text) == 0;
-  const std::string wkt = is_known ? text : "";
-  free_text(text);
-  destroy(system);
-  if (!is_known)
-    throw input_error("unknown coordinate reference system", "a code of EPSG", fmt::format("EPSG:{}", code));
-  return wkt;
-}
-
-/// WKT, or the code of a system.
+/// WKT, or the code of a system, which needs GDAL.
 Crs read_crs(const std::string& text) {
-  Crs crs;
-  crs.wkt = text;
-  if (!text.starts_with("EPSG:")) return crs;
-  const int code = std::atoi(text.c_str() + 5);
-  if (code < 1 || text != fmt::format("EPSG:{}", code))
-    throw input_error("unknown coordinate reference system", "WKT, or EPSG:n", text);
-  crs.wkt = wkt_of(code);
-  return crs;
+  return text.starts_with("EPSG:") ? geo::crs_of_text(text) : crs_of_wkt(text);
 }
 
 py::array require_rows(const py::handle& given, const std::string& name, std::size_t rows,

@@ -30,7 +30,6 @@ WITHOUT_HEADER = {
     "python/module.cpp": "the function that Python calls",
     "python/python_images.cpp": "bindings, added by a function of python/python_cloud.h",
     "python/python_queries.cpp": "bindings, added by a function of python/python_cloud.h",
-    "python/remote_files.cpp": "functions that python/module.cpp finds by their names",
     "tools/main.cpp": "the program",
     "tools/image_module_entry.cpp": "the function of the module that tools/image_module.cpp finds by its name",
 }
