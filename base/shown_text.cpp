@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "base/words.h"
@@ -80,6 +82,28 @@ std::string plain_json(std::string json) {
       plain += character;
   });
   return plain;
+}
+
+std::string short_count(double count) {
+  if (count >= 999.5e6) return fmt::format("{:.3g} G", count / 1e9);
+  if (count >= 999.5e3) return fmt::format("{:.3g} M", count / 1e6);
+  if (count >= 1e4) return fmt::format("{:.3g} k", count / 1e3);
+  return fmt::format("{:.0f}", count);
+}
+
+std::string quantity(double count, const std::string& unit) {
+  const std::string text = short_count(count);
+  // "2.3 MB", but "2.3 M points".
+  if (unit == "B") return text.find(' ') == std::string::npos ? text + " B" : text + unit;
+  if (text != "1" || !unit.ends_with('s')) return text + " " + unit;
+  return text + " " + unit.substr(0, unit.size() - (unit.ends_with("xes") ? 2 : 1));
+}
+
+std::string clock_time(double seconds) {
+  const auto whole = static_cast<std::int64_t>(std::fmin(std::fmax(std::round(seconds), 0.0), 1e12));
+  const std::int64_t hours = whole / 3600, minutes = whole / 60 % 60;
+  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
+  return fmt::format("{}:{:02}", minutes, whole % 60);
 }
 
 }  // namespace alidade

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+// Text for people.
+//
 // Escaping of text that comes from files: names of attributes, files, cameras and reference systems may hold
 // anything. One function for each destination.
 //
@@ -29,5 +31,14 @@ template <class Json>
 std::string json_text(const Json& json, int indent = -1) {
   return plain_json(json.dump(indent, ' ', false, Json::error_handler_t::replace));
 }
+
+/// "1.25 M", "340 k", "12": a count for people to read.
+std::string short_count(double count);
+
+/// "640 k points", "1 ray", "2.3 MB": a count of a unit, which is "B" or a plural.
+std::string quantity(double count, const std::string& unit);
+
+/// "0:07", "12:30", "1:02:03".
+std::string clock_time(double seconds);
 
 }  // namespace alidade

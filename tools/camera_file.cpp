@@ -25,7 +25,7 @@ void check(const camera::Camera& camera, const std::string& file, const std::str
 
 }  // namespace
 
-void add_camera_reading(const Options& command, const std::string& lens_default,
+void add_camera_reading(const Fields& command, const std::string& lens_default,
                         std::filesystem::path& lens_file, bool& original_world) {
   command.file("--lens", "FILE.json", "camera file with the size and lens of a trajectory" + lens_default,
                lens_file);

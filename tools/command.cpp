@@ -171,13 +171,6 @@ ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()
   return arena.execute(work);
 }
 
-std::string kept_name(const std::filesystem::path& given) {
-  const std::filesystem::path file = public_name(given.string());
-  if (!file.is_absolute()) return file.string();
-  // Of "/site/tiles/" the last part is empty.
-  return (file.has_filename() ? file : file.parent_path()).filename().string();
-}
-
 std::string metadata_command(const CommandLine& words) {
   std::string text = "alidade";
   for (std::size_t i = 1; i < words.size(); ++i) {

@@ -23,6 +23,11 @@
 
 namespace alidade::tools {
 
+using jobs::is_silent;
+using jobs::k_silent_flags;
+using jobs::k_silent_options;
+using jobs::kept_name;
+
 /// Runs a chosen command.
 using Run = std::function<ExitCode(const CommandLine&)>;
 
@@ -42,16 +47,45 @@ std::optional<int> enough_threads(std::span<const std::string> words, std::uint6
 /// Returns what `work` returns, run on exactly this many threads.
 ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
 
+/// The command line for metadata: names as kept_name(), without the options that do not affect the image
+/// (outputs, threads, messages), so that equal images make equal files.
+std::string metadata_command(const CommandLine& words);
+
 /// A command that calls `run(*request)`, on the requested number of threads, by default on enough_threads().
 template <class Request>
 Command command_of(const Options& options, const std::shared_ptr<Request>& request,
                    ExitCode (*run)(const Request&)) {
   return {options, [request, run](const CommandLine& words) {
             request->words = words;
+            if constexpr (requires { request->command; }) request->command = metadata_command(words);
             const auto threads = request->threads
                                      ? request->threads
                                      : enough_threads(words, available_memory().value_or(UINT64_MAX));
             return with_threads(threads, [&] { return run(*request); });
+          }};
+}
+
+/// A command that is a job: its request, and what only a command line has.
+template <class Request>
+struct JobCommand {
+  Request request;
+  Verbosity verbosity = Verbosity::normal;
+};
+
+/// A command that plans and runs the job.
+template <class Request>
+Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command) {
+  return {options, [command](const CommandLine& words) {
+            Request& request = command->request;
+            request.command = metadata_command(words);
+            const auto threads = request.threads
+                                     ? request.threads
+                                     : enough_threads(words, available_memory().value_or(UINT64_MAX));
+            return with_threads(threads, [&] {
+              Console console(command->verbosity);
+              run(plan(request), console);
+              return ExitCode::done;
+            });
           }};
 }
 
@@ -93,31 +127,5 @@ Command add_visibility_raster(const Options& visibility);
 Command add_visibility_horizon(const Options& visibility);
 Command add_visibility_sky(const Options& visibility);
 Command add_visibility_sun(const Options& visibility);
-
-// Options, common to several commands, that cannot change what they compute: how they run, what they print,
-// and where they write.
-
-inline constexpr std::array<std::string_view, 6> k_silent_flags = {"help",  "overwrite", "skip-existing",
-                                                                   "quiet", "verbose",   "resume"};
-
-/// Options with a value.
-inline constexpr std::array<std::string_view, 8> k_silent_options = {
-    "output", "threads", "memory", "cache", "cache-size", "allow-host", "checkpoint", "checkpoint-interval"};
-
-/// Whether the option of this name, without dashes, is one of these, or of those that a command adds to them.
-inline bool is_silent(std::string_view name, std::span<const std::string_view> own) {
-  const auto has = [name](std::span<const std::string_view> names) {
-    return std::ranges::find(names, name) != names.end();
-  };
-  return has(k_silent_flags) || has(k_silent_options) || has(own);
-}
-
-/// A file's name for metadata, which other people read: the last part of an absolute path, public_name() of a
-/// URL, other names as they are.
-std::string kept_name(const std::filesystem::path& given);
-
-/// The command line for metadata: names as kept_name(), without the options that do not affect the image
-/// (outputs, threads, messages), so that equal images make equal files.
-std::string metadata_command(const CommandLine& words);
 
 }  // namespace alidade::tools

@@ -108,28 +108,6 @@ void write_to_stdout(std::string_view text) {
   }
 }
 
-std::string short_count(double count) {
-  if (count >= 999.5e6) return fmt::format("{:.3g} G", count / 1e9);
-  if (count >= 999.5e3) return fmt::format("{:.3g} M", count / 1e6);
-  if (count >= 1e4) return fmt::format("{:.3g} k", count / 1e3);
-  return fmt::format("{:.0f}", count);
-}
-
-std::string quantity(double count, const std::string& unit) {
-  const std::string text = short_count(count);
-  // "2.3 MB", but "2.3 M points".
-  if (unit == "B") return text.find(' ') == std::string::npos ? text + " B" : text + unit;
-  if (text != "1" || !unit.ends_with('s')) return text + " " + unit;
-  return text + " " + unit.substr(0, unit.size() - (unit.ends_with("xes") ? 2 : 1));
-}
-
-std::string clock_time(double seconds) {
-  const auto whole = static_cast<std::int64_t>(std::fmin(std::fmax(std::round(seconds), 0.0), 1e12));
-  const std::int64_t hours = whole / 3600, minutes = whole / 60 % 60;
-  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
-  return fmt::format("{}:{:02}", minutes, whole % 60);
-}
-
 ProgressLine::ProgressLine(std::string task, std::string unit, Verbosity verbosity)
     : task_(std::move(task)),
       unit_(std::move(unit)),
@@ -194,6 +172,14 @@ void ProgressLine::finish() {
   if (seconds > 0.5) text += fmt::format(" ({}/s)", quantity(count / seconds, unit_));
   write_to_stderr((on_terminal_ ? k_line_start : "") + text + "\n");
   line_open_ = false;
+}
+
+void Console::warn(std::string_view text) {
+  if (is_listening()) say_warning(text);
+}
+
+std::unique_ptr<jobs::Listener::Stage> Console::begin(std::string task, std::string unit) {
+  return std::make_unique<ProgressLine>(std::move(task), std::move(unit), verbosity_);
 }
 
 }  // namespace alidade::tools

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "jobs/listener.h"
 
 namespace alidade::tools {
 
@@ -73,26 +75,26 @@ void write_to_stdout(std::string_view text);
 ///   ProgressLine line("reading", "B", verbosity);
 ///   read_cloud(files, {.progress = line.callback()});
 ///   line.finish();
-class ProgressLine {
+class ProgressLine : public jobs::Listener::Stage {
  public:
   /// `unit`: of the task's count, as written behind a rate: "points", "camera rays".
   ProgressLine(std::string task, std::string unit, Verbosity verbosity);
   /// Ends a line that was left in the middle.
-  ~ProgressLine();
+  ~ProgressLine() override;
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   /// To be handed to the task; valid as long as this object.
-  Progress callback();
+  Progress callback() override;
 
   /// Counts so much, done by an earlier run, as done, but not for rate and time left.
-  void skip(std::uint64_t done) { skipped_ = done; }
+  void skip(std::uint64_t done) override { skipped_ = done; }
 
   /// Prints "alidade: TEXT" on a line of its own while the task is running.
   void interject(const std::string& text);
 
   /// Prints that the task is done, and its rate.
-  void finish();
+  void finish() override;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -122,13 +124,19 @@ auto with_progress(std::string task, std::string unit, Verbosity verbosity, cons
   }
 }
 
-/// "1.25 M", "340 k", "12": a count for people to read.
-std::string short_count(double count);
+/// Who runs a command from a terminal or a script: prints what jobs say.
+class Console : public jobs::Listener {
+ public:
+  explicit Console(Verbosity verbosity) : verbosity_(verbosity) {}
 
-/// "640 k points", "1 ray", "2.3 MB": a count of a unit, which is "B" or a plural.
-std::string quantity(double count, const std::string& unit);
+  void note(std::string_view text) override { say_note(verbosity_, text); }
+  void warn(std::string_view text) override;
+  bool is_listening() const override { return verbosity_ != Verbosity::quiet; }
+  std::unique_ptr<Stage> begin(std::string task, std::string unit) override;
+  bool stops() const override { return interrupted(); }
 
-/// "0:07", "12:30", "1:02:03".
-std::string clock_time(double seconds);
+ private:
+  Verbosity verbosity_;
+};
 
 }  // namespace alidade::tools

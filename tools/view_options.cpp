@@ -79,9 +79,9 @@ void take_crop(const std::string& text, PointSelection& selection,
   selection.polygons = [polygons](const Crs& crs) { return polygons->polygons_in(crs); };
 }
 
-void add_crop(const Options& group, PointSelection& selection) {
+void add_crop(const Fields& group, PointSelection& selection) {
   const auto polygons = std::make_shared<PolygonFile>();
-  const Option crop =
+  const Field crop =
       group.value("--crop", "BOX|FILE",
                   "only points in the box x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, in the cloud's unit, mostly "
                   "metres, or in the polygons of a GeoJSON, GeoPackage or Shapefile; the border is included",
@@ -122,8 +122,8 @@ void choose_zone(ViewRequest& request) {
 
 }  // namespace
 
-void add_cache_options(const Options& command) {
-  const Options group = command.group("Remote files");
+void add_cache_options(const Fields& command) {
+  const Fields group = command.group("Remote files");
   group.value("--cache", "FOLDER",
               "keep what is fetched from web servers (http, https; not buckets) in this folder, for the next "
               "time (default: the environment variable ALIDADE_CACHE; without it nothing is kept)",
@@ -162,7 +162,7 @@ CloudInputs ViewRequest::apply(CloudInputs clouds) {
   return clouds;
 }
 
-std::shared_ptr<ViewRequest> add_view_options(const Options& command,
+std::shared_ptr<ViewRequest> add_view_options(const Fields& command,
                                               std::initializer_list<std::string_view> own,
                                               HeightUse height_use) {
   const auto request = std::make_shared<ViewRequest>();
@@ -171,7 +171,7 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
   PointSelection& selection = request->view->selection;
   request->view->has_one_unit = height_use == HeightUse::measured;
   const auto is_own = [&](std::string_view name) { return std::ranges::find(own, name) != own.end(); };
-  const Options group = command.group("Which points, in which reference system");
+  const Fields group = command.group("Which points, in which reference system");
   const auto restrict_classes = [&selection](const std::bitset<256>& classes) {
     selection.classes = selection.classes.value_or(std::bitset<256>().set()) & classes;
   };
@@ -209,7 +209,7 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
         target->stated_system = text;
         target->view->change_reference = change_reference;
       });
-  const Option reproject = group.value(
+  const Field reproject = group.value(
       "--reproject", "SYSTEM|auto",
       "bring the points to another reference system, such as EPSG:25832; auto: from degrees or "
       "geocentric coordinates to the zone of UTM of the first cloud; heights get the unit of the system",

@@ -31,7 +31,7 @@ struct ViewRequest {
 /// How the program opens remote files: set by ALIDADE_CACHE, then by the options of add_cache_options().
 geo::RemoteOptions& remote_options();
 /// Declares --cache, --cache-size and --allow-host.
-void add_cache_options(const Options& command);
+void add_cache_options(const Fields& command);
 
 /// Whether a command measures, so that heights must be in the unit of x and y, or shows clouds as they are.
 enum class HeightUse { measured, as_stored };
@@ -39,7 +39,7 @@ enum class HeightUse { measured, as_stored };
 /// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --columns, --crs, --reproject and
 /// --vertical-unit, except those in `own`, which the command declares itself, then those of
 /// add_cache_options().
-std::shared_ptr<ViewRequest> add_view_options(const Options& command,
+std::shared_ptr<ViewRequest> add_view_options(const Fields& command,
                                               std::initializer_list<std::string_view> own = {},
                                               HeightUse height_use = HeightUse::measured);
 

@@ -85,5 +85,34 @@ TEST(JsonTextTest, quotations_of_scene_files_are_lines_of_text) {
   EXPECT_EQ(document.quote(0, document.text.size()), "[\"a\\u202e\\x7f\",  1]");
 }
 
+TEST(QuantityTest, is_written_as_people_write_it) {
+  EXPECT_EQ(quantity(1, "rays"), "1 ray");
+  EXPECT_EQ(quantity(1, "boxes"), "1 box");
+  EXPECT_EQ(quantity(2, "rays"), "2 rays");
+  EXPECT_EQ(quantity(640'000, "points"), "640 k points");
+  EXPECT_EQ(quantity(1'250'000, "points"), "1.25 M points");
+  EXPECT_EQ(quantity(512, "B"), "512 B");
+  EXPECT_EQ(quantity(36'000'000, "B"), "36 MB");
+  EXPECT_EQ(quantity(64'000, "B"), "64 kB");
+}
+
+TEST(ShortCountTest, counts_are_short) {
+  EXPECT_EQ(short_count(0), "0");
+  EXPECT_EQ(short_count(9999), "9999");
+  EXPECT_EQ(short_count(10000), "10 k");
+  EXPECT_EQ(short_count(123456), "123 k");
+  EXPECT_EQ(short_count(999499), "999 k");
+  EXPECT_EQ(short_count(999500), "1 M");
+  EXPECT_EQ(short_count(1234567), "1.23 M");
+  EXPECT_EQ(short_count(2e9), "2 G");
+}
+
+TEST(ClockTimeTest, times_are_minutes_and_seconds) {
+  EXPECT_EQ(clock_time(0), "0:00");
+  EXPECT_EQ(clock_time(59.6), "1:00");
+  EXPECT_EQ(clock_time(754), "12:34");
+  EXPECT_EQ(clock_time(3723), "1:02:03");
+}
+
 }  // namespace
 }  // namespace alidade

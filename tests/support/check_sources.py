@@ -7,7 +7,7 @@ import pathlib
 import re
 import sys
 
-ROOMS = ("base cloud octree mesh geo image camera renderer visibility compare database simulation tools python").split()
+ROOMS = ("base cloud octree mesh geo image camera renderer visibility compare database simulation jobs tools python").split()
 
 # Sources without a header of their own name, with the header that names them and the reason.
 WITHOUT_HEADER = {

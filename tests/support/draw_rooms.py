@@ -15,11 +15,11 @@ WORDS = {
     "base": "what every room needs", "cloud": "from file to points", "octree": "from points to hit",
     "mesh": "from triangles to hit", "geo": "where on Earth", "image": "pixels", "camera": "from pixel to ray", "simulation": "a known world",
     "renderer": "from scene to image", "visibility": "from observers to maps", "compare": "two images, a verdict",
-    "database": "from SQL to rows", "tools": "the program alidade",
+    "database": "from SQL to rows", "jobs": "from request to result", "tools": "the program alidade",
     "python": "the module alidade",
 }
 # From left to right where rooms stand side by side.
-COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "mesh", "image", "geo", "camera", "simulation", "cloud", "base", "tools", "python"]
+COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "mesh", "image", "geo", "camera", "simulation", "cloud", "base", "jobs", "tools", "python"]
 WIDTH, HEIGHT, GAP, RISE = 176, 56, 20, 64
 
 

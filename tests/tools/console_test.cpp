@@ -1,24 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "tools/console.h"
 
+#include "base/shown_text.h"
 #include "cloud/las/write_las.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
 namespace {
-
-using tools::quantity;
-
-TEST(QuantityTest, is_written_as_people_write_it) {
-  EXPECT_EQ(quantity(1, "rays"), "1 ray");
-  EXPECT_EQ(quantity(1, "boxes"), "1 box");
-  EXPECT_EQ(quantity(2, "rays"), "2 rays");
-  EXPECT_EQ(quantity(640'000, "points"), "640 k points");
-  EXPECT_EQ(quantity(1'250'000, "points"), "1.25 M points");
-  EXPECT_EQ(quantity(512, "B"), "512 B");
-  EXPECT_EQ(quantity(36'000'000, "B"), "36 MB");
-  EXPECT_EQ(quantity(64'000, "B"), "64 kB");
-}
 
 class ConsoleTest : public ProgramTest {};
 

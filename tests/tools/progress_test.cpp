@@ -59,23 +59,5 @@ TEST(progress_line, a_remark_has_a_line_of_its_own) {
   EXPECT_EQ(log.rfind("alidade: one is black\ncounting: ", 0), 0u) << log;
 }
 
-TEST(progress_line, counts_are_short) {
-  EXPECT_EQ(short_count(0), "0");
-  EXPECT_EQ(short_count(9999), "9999");
-  EXPECT_EQ(short_count(10000), "10 k");
-  EXPECT_EQ(short_count(123456), "123 k");
-  EXPECT_EQ(short_count(999499), "999 k");
-  EXPECT_EQ(short_count(999500), "1 M");
-  EXPECT_EQ(short_count(1234567), "1.23 M");
-  EXPECT_EQ(short_count(2e9), "2 G");
-}
-
-TEST(progress_line, times_are_minutes_and_seconds) {
-  EXPECT_EQ(clock_time(0), "0:00");
-  EXPECT_EQ(clock_time(59.6), "1:00");
-  EXPECT_EQ(clock_time(754), "12:34");
-  EXPECT_EQ(clock_time(3723), "1:02:03");
-}
-
 }  // namespace
 }  // namespace alidade::test

@@ -84,8 +84,9 @@ void in_pieces(std::size_t rows, const Work& work) {
 void measure_normals(const Octree& built, const PointColumns& points,
                      std::span<const ScannerPosition> scanners, std::span<glm::vec3> normals,
                      Verbosity verbosity) {
+  Console console(verbosity);
   const Octree octree =
-      with_surfaces_shown(with_spacings_shown(built, k_surface_neighbours, verbosity), verbosity);
+      jobs::with_surfaces(jobs::with_spacings(built, k_surface_neighbours, console), console);
   const auto measure = [&](std::size_t row) {
     const PointSurface surface = surface_of(octree.view(), row);
     normals[row] = glm::vec3(0.0f);

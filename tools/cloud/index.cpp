@@ -32,8 +32,9 @@ namespace {
 Octree measured(const Octree& octree, const IndexRequest& request, Verbosity verbosity) {
   const std::optional<int> neighbours = request.surfaces ? k_surface_neighbours : request.spacing_neighbours;
   if (!neighbours) return octree;
-  const Octree with = with_spacings_shown(octree, *neighbours, verbosity);
-  return request.surfaces ? with_surfaces_shown(with, verbosity) : with;
+  Console console(verbosity);
+  const Octree with = jobs::with_spacings(octree, *neighbours, console);
+  return request.surfaces ? jobs::with_surfaces(with, console) : with;
 }
 
 struct IndexCommand : CloudRequest {
@@ -110,7 +111,7 @@ std::string stamp(const std::filesystem::path& file) {
   return fmt::format("{} bytes, changed {}", size, time_text(std::filesystem::last_write_time(file, error)));
 }
 
-Fingerprint reading_fingerprint(const Options& command, const CloudInputs& inputs) {
+Fingerprint reading_fingerprint(const Fields& command, const CloudInputs& inputs) {
   Fingerprint fingerprint{{"program version", ALIDADE_VERSION}, {"version of rows", k_rows_version}};
   for (const auto& [name, words] : command.given()) {
     if (is_silent(name, k_silent_options_of_index)) continue;
@@ -197,7 +198,7 @@ ReadingCheckpoint::ReadingCheckpoint(const CheckpointRequest& request, const Clo
                                    .resume = request.resume,
                                    .failed = checkpoint_warning(),
                                    .is_interrupted = interrupted},
-                      reading_fingerprint(*request.command, inputs));
+                      reading_fingerprint(*request.fields, inputs));
   if (!request.resume) return;
   const std::string name = request.file.string();
   if (checkpoint_->rows() > 0) {
@@ -213,7 +214,8 @@ ReadingCheckpoint::~ReadingCheckpoint() {
   if (checkpoint_->rows() == 0) {
     checkpoint_->remove();
   } else if (!checkpoint_->is_corrupt()) {
-    say_how_to_resume(verbosity_, checkpoint_->folder().string());
+    Console console(verbosity_);
+    jobs::say_how_to_resume(console, checkpoint_->folder().string());
   }
 }
 
@@ -242,7 +244,8 @@ void check_room_for(const IndexCommand& command, const std::filesystem::path& fo
     bytes -=
         size.bytes() / std::max<std::uint64_t>(size.point_count, 1) * std::min(rows_there, size.point_count);
   }
-  check_room(folder, bytes, command.verbosity);
+  Console console(command.verbosity);
+  check_room(folder, bytes, console);
 }
 
 /// For clouds larger than memory.
@@ -351,8 +354,8 @@ Command add_index(const Options& program) {
              "store the surface around each point for 'alidade visibility', which then measures nothing; "
              "implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
-  add_checkpoint_options(index.needs(add_scratch_memory(index, command->memory)), command->checkpoint,
-                         "every --checkpoint-interval seconds", "index", "FOLDER");
+  add_checkpoint_fields(index.needs(add_scratch_memory(index, command->memory)), command->checkpoint,
+                        "every --checkpoint-interval seconds", "index", "FOLDER");
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
   add_run_options(index, *command);
   return command_of(index, command, run);

@@ -74,9 +74,9 @@ void read_points(const InfoOptions& options, Description& description) {
     size.attributes.bits &= wanted.bits;
     const bool selects = std::ranges::any_of(options.files.inputs, &CloudInput::is_changed);
     // The number of other points is not known beforehand.
+    Console console(options.verbosity == Verbosity::verbose ? Verbosity::verbose : Verbosity::quiet);
     if (!selects && !options.partial && size.uncounted_bytes == 0)
-      check_room(space.folder, size.bytes(),
-                 options.verbosity == Verbosity::verbose ? Verbosity::verbose : Verbosity::quiet);
+      check_room(space.folder, size.bytes(), console);
     description.cloud = description.scratch.emplace(options.files, reading, space).facts();
     description.points = description.scratch->points();
   } else {
@@ -484,10 +484,10 @@ Command add_info(const Options& program) {
                "contains every point once; errors name section and byte",
                options->verify);
   add_partial(command, options->partial);
-  const Option folder = command.file("--extract-images", "FOLDER",
-                                     "extract the images of E57 files to this folder, with camera files for "
-                                     "'alidade render --camera' and metadata in images.json",
-                                     options->image_folder);
+  const Field folder = command.file("--extract-images", "FOLDER",
+                                    "extract the images of E57 files to this folder, with camera files for "
+                                    "'alidade render --camera' and metadata in images.json",
+                                    options->image_folder);
   command.needs(folder).flag("--overwrite", "replace existing images", options->overwrite);
   add_verbosity(command, options->verbosity);
   return command_of(command, options, run);

@@ -19,7 +19,7 @@ image::PixelBox parse_rectangle(const std::string& text) {
 }
 
 /// A repeatable option, all of whose thresholds hold.
-void add_thresholds(const Options& group, const std::string& name, const std::string& help,
+void add_thresholds(const Fields& group, const std::string& name, const std::string& help,
                     std::vector<compare::Threshold>& thresholds) {
   group.values(name, "LIST", help, [&thresholds](const std::string& text) {
     try {
@@ -31,14 +31,14 @@ void add_thresholds(const Options& group, const std::string& name, const std::st
   });
 }
 
-void add_rectangles(const Options& group, const std::string& name, const std::string& help,
+void add_rectangles(const Fields& group, const std::string& name, const std::string& help,
                     std::vector<image::PixelBox>& rectangles) {
   group.values(name, "L,T,R,B", help,
                [&rectangles](const std::string& text) { rectangles.push_back(parse_rectangle(text)); });
 }
 
-void add_masks(const Options& command, compare::ComparisonOptions& options) {
-  const Options group = command.group("Masks");
+void add_masks(const Fields& command, compare::ComparisonOptions& options) {
+  const Fields group = command.group("Masks");
   group.value("--crop", "L,T,R,B",
               "compare only this part of both images: columns L to R - 1 and rows T to B - 1, in pixels from "
               "the top left",
@@ -56,23 +56,23 @@ void add_masks(const Options& command, compare::ComparisonOptions& options) {
   group.flag("--ignore-sky", "ignore pixels where both images have no surface", options.ignore_sky);
 }
 
-void add_photographs(const Options& command, compare::ComparisonOptions& options) {
-  const Options group = command.group("Photographs");
+void add_photographs(const Fields& command, compare::ComparisonOptions& options) {
+  const Fields group = command.group("Photographs");
   group.choice(
       "--match",
       "fit the colours of the test to the reference, and report the metrics of matched colours too: exposure "
       "is a factor per channel (exposure, white balance), affine an offset too (haze, black level)",
       options.match, {{"exposure", compare::ColorModel::exposure}, {"affine", compare::ColorModel::affine}});
-  const Option align = group.flag("--align",
-                                  "find the shift that best aligns the edges of both, to distinguish a "
-                                  "misplaced camera from colours that differ",
-                                  options.align);
+  const Field align = group.flag("--align",
+                                 "find the shift that best aligns the edges of both, to distinguish a "
+                                 "misplaced camera from colours that differ",
+                                 options.align);
   group.needs(align).count("--largest-shift", "PIXELS", "largest shift for --align, in pixels (default: 64)",
                            options.largest_shift, 1, 4096);
 }
 
-void add_flip(const Options& command, compare::FlipOptions& flip) {
-  const Options group = command.group("FLIP");
+void add_flip(const Fields& command, compare::FlipOptions& flip) {
+  const Fields group = command.group("FLIP");
   group.number(
       "--pixels-per-degree", "N",
       "of the field of view (default: 67.02: a screen 0.7 m wide with 3840 pixels at a distance of 0.7 m)",
@@ -92,10 +92,10 @@ void add_flip(const Options& command, compare::FlipOptions& flip) {
   group.count("--exposures", "N", "number of exposures (default: one per stop)", flip.exposures, 2, 256);
 }
 
-void add_changes(const Options& command, CompareRequest& request) {
-  const Options group = command.group("Regions of change");
+void add_changes(const Fields& command, CompareRequest& request) {
+  const Fields group = command.group("Regions of change");
   compare::ComparisonOptions& options = request.comparison;
-  const Option changes = group.choice(
+  const Field changes = group.choice(
       "--changes",
       "list regions of changed pixels by size: changed in FLIP, in colour (0 to 1), or in depth (metres)",
       options.find_changes,
@@ -117,8 +117,8 @@ void add_changes(const Options& command, CompareRequest& request) {
              request.partial);
 }
 
-void add_verdict(const Options& command, CompareRequest& request) {
-  const Options group = command.group("Verdict");
+void add_verdict(const Fields& command, CompareRequest& request) {
+  const Fields group = command.group("Verdict");
   add_thresholds(group, "--fail-above",
                  "fail beyond these thresholds, such as flip=0.05,psnr<30: NAME=LIMIT fails if the metric is "
                  "worse, NAME<LIMIT if it is below, NAME>LIMIT if it is above; repeatable",
@@ -131,8 +131,8 @@ void add_verdict(const Options& command, CompareRequest& request) {
              request.idiff_codes);
 }
 
-void add_answers(const Options& command, CompareRequest& request) {
-  const Options group = command.group("Answers");
+void add_answers(const Fields& command, CompareRequest& request) {
+  const Fields group = command.group("Answers");
   group.flag("--json", "print the result as JSON instead of a table", request.json);
   group.file("--report", "FILE.html",
              "HTML report in one file without network access: images to swipe and blink, maps, regions, "
@@ -200,7 +200,7 @@ void check_pair_options(const CompareRequest& request) {
 
 }  // namespace
 
-void add_compare_options(const Options& command, CompareRequest& request) {
+void add_compare_options(const Fields& command, CompareRequest& request) {
   command.file("reference", "REFERENCE", "reference image, or folder of images", request.reference);
   command.file("test", "TEST", "test image, or folder of images", request.test);
   command.group("Pairs").file("--pairs", "FILE.csv",

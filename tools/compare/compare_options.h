@@ -36,7 +36,7 @@ struct CompareRequest : RunRequest {
 };
 
 /// Declares the options.
-void add_compare_options(const Options& command, CompareRequest& request);
+void add_compare_options(const Fields& command, CompareRequest& request);
 
 // Checks of a request before pixels are read.
 

@@ -18,7 +18,7 @@
 namespace alidade::tools {
 namespace {
 
-void add_targets(const Options& query, QueryCommand& command) {
+void add_targets(const Fields& query, QueryCommand& command) {
   for (std::size_t i = 0; i < k_target_families; ++i) {
     const TargetKind& kind = target_kind(static_cast<TargetFamily>(i));
     GivenTargets& given = command.targets[i];
@@ -29,8 +29,8 @@ void add_targets(const Options& query, QueryCommand& command) {
   }
 }
 
-void add_conditions(const Options& query, QueryCommand& command) {
-  const Options group = query.group("Conditions");
+void add_conditions(const Fields& query, QueryCommand& command) {
+  const Fields group = query.group("Conditions");
   group.value("--radius", "R", "largest distance from the ray, path or point, in metres (default: inf)",
               command.radius, parse_length_limit);
   group.count("--k", "K",
@@ -60,8 +60,8 @@ void add_conditions(const Options& query, QueryCommand& command) {
               command.max_level, 0, k_all_levels);
 }
 
-void add_copc(const Options& query, QueryCommand& command) {
-  const Options group = query.group("COPC");
+void add_copc(const Fields& query, QueryCommand& command) {
+  const Fields group = query.group("COPC");
   group.flag("--load",
              "read the whole cloud and build an octree, also for a COPC file, which is otherwise queried in "
              "place; faster from some thousands of targets on, more for larger files",
@@ -71,9 +71,9 @@ void add_copc(const Options& query, QueryCommand& command) {
               command.memory, parse_size);
 }
 
-void add_answers(const Options& query, QueryCommand& command) {
-  const Options group = query.group("Answers");
-  const Option occluded =
+void add_answers(const Fields& query, QueryCommand& command) {
+  const Fields group = query.group("Answers");
+  const Field occluded =
       group.flag("--occluded", "only whether any point matches: 0 or 1 per target", command.occluded);
   group.excludes(occluded).flag("--count", "only the number of matching points, up to K", command.count);
   group.count(
@@ -497,7 +497,7 @@ Command add_query(const Options& program) {
   const Options query = program.command(
       "query", "Find the points near rays, paths and positions, and in cones, planes and boxes");
   auto command = std::make_shared<QueryCommand>();
-  add_cloud(query, *command, {"--classes"});
+  add_cloud(query, command->files, {"--classes"});
   add_targets(query, *command);
   add_conditions(query, *command);
   add_answers(query, *command);

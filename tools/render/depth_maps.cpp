@@ -164,13 +164,13 @@ void write_depth_transforms(const DepthTransforms& transforms, std::span<const V
 
 }  // namespace
 
-void add_depth_options(const Options& render, DepthRequest& request) {
-  const Option depth = render.file(
+void add_depth_options(const Fields& render, DepthRequest& request) {
+  const Field depth = render.file(
       "--depth", "FILE",
       "depth map: .png (16 bit), .exr, .npy, .tif or .bin (COLMAP); 0 where there is no point. Without -o no "
       "image is rendered. For a set of cameras with %04d, %s or %f, as -o",
       request.file);
-  const Options more = render.needs(depth);
+  const Fields more = render.needs(depth);
   more.choice("--depth-format", "format, for a name with its extension (default: by the extension)",
               request.format,
               {{"exr", image::DepthFormat::exr},

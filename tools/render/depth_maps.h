@@ -25,7 +25,7 @@ struct DepthRequest {
 };
 
 /// Declares the options; they fill `request`.
-void add_depth_options(const Options& render, DepthRequest& request);
+void add_depth_options(const Fields& render, DepthRequest& request);
 
 /// A depth map to make; a name is empty if the file exists and may stay, or is not requested.
 struct DepthJob {

@@ -44,9 +44,9 @@ std::optional<int> run_encoder(const std::vector<std::string>& words) {
 
 }  // namespace
 
-void add_flight_options(const Options& render, FlightRequest& request) {
-  const Options group = render.group("Flights");
-  const Option orbit = group.flag(
+void add_flight_options(const Fields& render, FlightRequest& request) {
+  const Fields group = render.group("Flights");
+  const Field orbit = group.flag(
       "--orbit", "fly once around the whole cloud: images for -o yard_%04d.png, or a video for -o yard.mp4",
       request.orbits);
   group.excludes(orbit).file(

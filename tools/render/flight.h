@@ -24,7 +24,7 @@ struct FlightRequest {
 };
 
 /// Declares --orbit, --keyframes, --frames and --frame-rate.
-void add_flight_options(const Options& render, FlightRequest& request);
+void add_flight_options(const Fields& render, FlightRequest& request);
 
 /// Removes a folder at the end of its life if it is empty: that of a video's images, if none was made.
 struct EmptyFolder {

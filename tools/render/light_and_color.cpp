@@ -81,7 +81,7 @@ std::vector<std::pair<std::string, std::optional<image::ColorMap>>> map_words() 
 
 }  // namespace
 
-void add_light_options(const Options& render, LightRequest& request) {
+void add_light_options(const Fields& render, LightRequest& request) {
   render.choice(
       "--mode",
       "path: light of sun, sky and lamps (default); ambient_occlusion: colours, darker where other surfaces "
@@ -96,7 +96,7 @@ void add_light_options(const Options& render, LightRequest& request) {
                request.ao_distance, [](const std::string& text) {
                  return text == "auto" ? std::nullopt : std::optional(parse_number(text, 1e-6, 1e12));
                });
-  const Option sun = render.value(
+  const Field sun = render.value(
       "--sun", "AZIMUTH,ELEVATION",
       "position of the sun, degrees: azimuth clockwise from north (+y), elevation above the "
       "horizon; the scene's brightness is kept",
@@ -105,12 +105,12 @@ void add_light_options(const Options& render, LightRequest& request) {
         if (request.sun->y == -90.0)
           throw UsageError("invalid value; expected an elevation above -90, found '" + text + "'");
       });
-  const Option time =
+  const Field time =
       render.excludes(sun).value("--sun-time", "DATE-TIME",
                                  "the sun at this time, such as 2026-06-21T12:00:00+02:00; brightness by "
                                  "elevation, even if the scene's sun by angles sets one",
                                  request.sun_time, parse_moment);
-  const Option place = render.excludes(sun).value(
+  const Field place = render.excludes(sun).value(
       "--sun-place", "LAT,LON",
       "latitude and longitude for --sun-time, degrees (default: from the cloud's reference system)",
       request.sun_place, [](const std::string& text) { return parse_pair(text, 90.0, 180.0); });
@@ -195,7 +195,7 @@ void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, V
   }
 }
 
-void add_color_options(const Options& command, ColorRequest& request) {
+void add_color_options(const Fields& command, ColorRequest& request) {
   command.value(
       "--color-by,--color", "NAME",
       "attribute that colours the points: rgb, intensity, height, classification, normal, "
@@ -209,7 +209,7 @@ void add_color_options(const Options& command, ColorRequest& request) {
   command.choice("--color-map",
                  "colour map of values (default auto: grey for intensity, terrain for height, else viridis)",
                  request.map, map_words());
-  const Option range = command.value(
+  const Field range = command.value(
       "--color-range", "MIN,MAX", "values of the first and last colour (default: by percentiles)",
       request.range, [](const std::string& text) {
         return parse_range(text, -image::k_largest_value, image::k_largest_value);
@@ -220,7 +220,7 @@ void add_color_options(const Options& command, ColorRequest& request) {
   command.value("--class-color", "CLASS=#RRGGBB,...",
                 "colours of individual classes of --color-by classification", request.classes,
                 parse_class_colors);
-  const Option legend =
+  const Field legend =
       command.value("--legend", "FILE.png",
                     "also write a legend: a colour bar, or the classes with their numbers of points",
                     request.legend, parse_legend);

@@ -25,7 +25,7 @@ struct LightRequest {
 };
 
 /// Declares the options; they fill `request`.
-void add_light_options(const Options& render, LightRequest& request);
+void add_light_options(const Fields& render, LightRequest& request);
 
 /// Applies the options to the scene. A sun that gets another position in the sky keeps its brightness, one
 /// that gets another time keeps all else; one that had no time keeps its angular diameter only, since
@@ -56,7 +56,7 @@ struct ColorRequest {
 };
 
 /// Declares the options; they fill `request`, which must live as long as the program's options.
-void add_color_options(const Options& command, ColorRequest& request);
+void add_color_options(const Fields& command, ColorRequest& request);
 
 /// The name of one of the given options; empty if there is none.
 std::string given_option(const ColorRequest& request);

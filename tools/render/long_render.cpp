@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/output_file.h"
+#include "base/shown_text.h"
 #include "renderer/checkpoint.h"
 #include "renderer/merge_parts.h"
 #include "renderer/noise.h"
@@ -106,18 +107,18 @@ std::filesystem::path written_file(const LongRenderRequest& request, const std::
   return image.string() + fmt::format(".part{}of{}", request.part->number, request.part->count);
 }
 
-void add_long_render_options(const Options& render, LongRenderRequest& request) {
-  const Option time_limit =
+void add_long_render_options(const Fields& render, LongRenderRequest& request) {
+  const Field time_limit =
       render.number("--time-limit", "S",
                     "seconds per image: rendering stops then and reports the number of samples. At least one "
                     "sample per pixel, at most --samples. The bytes depend on the time",
                     request.time_limit, 0.0, k_most_seconds);
-  const Option target_noise =
+  const Field target_noise =
       render.number("--target-noise", "E",
                     "stop a tile of about 16x16 pixels at an estimated relative error of at most E, such as "
                     "0.02; a tile gets at least 32 samples and at most --samples",
                     request.target_noise, 1e-6, 1e6);
-  const Option preview = render.value(
+  const Field preview = render.value(
       "--preview", "FILE", "preview of the unfinished image, .png or .jpg, rewritten every few seconds",
       request.preview, std::identity());
   render.needs(preview).number("--preview-interval", "S", "seconds between previews (default 3)",
@@ -127,7 +128,7 @@ void add_long_render_options(const Options& render, LongRenderRequest& request) 
       "before COPC files of more than 2 N points are loaded, the preview shows N points, those the "
       "camera sees best, then 8 N and so on (default 300000; 0: only the image itself)",
       request.preview_points, 0, k_most_preview_points);
-  add_checkpoint_options(render, request.checkpoint, "rewritten every minute", "image");
+  add_checkpoint_fields(render, request.checkpoint, "rewritten every minute", "image");
   render.excludes(time_limit)
       .excludes(target_noise)
       .excludes(preview)

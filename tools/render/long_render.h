@@ -30,7 +30,7 @@ struct LongRenderRequest {
 std::filesystem::path written_file(const LongRenderRequest& request, const std::filesystem::path& image);
 
 /// Declares the options; they fill `request`.
-void add_long_render_options(const Options& render, LongRenderRequest& request);
+void add_long_render_options(const Fields& render, LongRenderRequest& request);
 
 /// Which existing files may be replaced. A file at the checkpoint's name must be a checkpoint even then.
 struct Replaceable {

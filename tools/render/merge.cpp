@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/shown_text.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/options.h"

@@ -8,13 +8,14 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "image/color_points.h"
 #include "image/image_file.h"
+#include "jobs/mesh_files.h"
 #include "renderer/cloud_in_view.h"
 #include "renderer/mesh_surfaces.h"
 #include "renderer/overview.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/cloud/mesh_files.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/render/light_and_color.h"
@@ -36,12 +37,13 @@ void add_mesh_files(const renderer::Scene& scene, std::vector<std::filesystem::p
 
 /// Reads a scene's meshes, shows progress, and prints their sizes. Errors: as read_mesh().
 void load_meshes(renderer::Scene& scene, Verbosity verbosity) {
+  Console console(verbosity);
   for (renderer::Object& object : scene.objects) {
     auto* const model = std::get_if<renderer::Model>(&object);
     if (model == nullptr || !model->mesh) continue;
     const renderer::MeshFile& source = *model->mesh;
-    TriangleMesh mesh = read_mesh_shown(source.file, source.placement, verbosity);
-    model->surfaces = build_mesh_shown(verbosity, [&](const Progress& progress) {
+    TriangleMesh mesh = jobs::load_mesh(source.file, source.placement, console);
+    model->surfaces = jobs::sort_triangles(console, [&](const Progress& progress) {
       return std::make_shared<renderer::MeshSurfaces>(std::move(mesh), kept_name(source.file), progress);
     });
   }
@@ -503,7 +505,8 @@ ExitCode run(const RenderCommand& given) {
     statistics = render_all(images, scene, cloud, command, resumed, empty);
   } catch (const Cancelled&) {
     const std::filesystem::path& checkpoint = command.long_render.checkpoint.file;
-    if (!checkpoint.empty()) say_how_to_resume(verbosity, checkpoint.string());
+    Console console(verbosity);
+    if (!checkpoint.empty()) jobs::say_how_to_resume(console, checkpoint.string());
     throw;
   }
   const std::string first = written_file(command.long_render, images.front().file).string(),

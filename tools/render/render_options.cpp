@@ -6,13 +6,13 @@
 #include <fstream>
 
 #include "base/words.h"
+#include "jobs/mesh_files.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "renderer/overview.h"
 #include "renderer/read_scene.h"
 #include "simulation/courtyard.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/cloud/mesh_files.h"
 #include "tools/render/site_surfaces.h"
 #include "tools/view_options.h"
 
@@ -63,7 +63,7 @@ void parse_radius(const std::string& text, RadiusRequest& request) {
 }
 
 /// Declares one of the options of adapted radii, any of which requests these. They are read after --radius.
-void add_adapted_radius_option(const Options& render, RadiusRequest& request, const std::string& name,
+void add_adapted_radius_option(const Fields& render, RadiusRequest& request, const std::string& name,
                                const std::string& kind, const std::string& help,
                                const std::function<void(const std::string&)>& take) {
   render.value(name, kind, help, [&request, take](const std::string& text) {
@@ -74,7 +74,7 @@ void add_adapted_radius_option(const Options& render, RadiusRequest& request, co
   });
 }
 
-void add_image_options(const Options& render, RenderCommand& command) {
+void add_image_options(const Fields& render, RenderCommand& command) {
   render.count(
       "--samples", "N",
       "paths per pixel; noise halves with four times as many (default: the scene's, else 50; 16 for an "
@@ -106,7 +106,7 @@ void add_image_options(const Options& render, RenderCommand& command) {
                command.seed, 0, UINT64_MAX);
 }
 
-void add_cloud_options(const Options& render, RenderCommand& command) {
+void add_cloud_options(const Fields& render, RenderCommand& command) {
   RadiusRequest& radius = command.radius;
   render.value(
       "--radius", "R|auto|adapted",
@@ -275,17 +275,17 @@ void check_depth_alone(const RenderCommand& command) {
 
 }  // namespace
 
-std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
+std::shared_ptr<RenderCommand> add_render_options(const Fields& render) {
   auto command = std::make_shared<RenderCommand>();
   command->view = add_view_options(render);
-  const Option scene =
+  const Field scene =
       render.words("scene", "SCENE.json|CLOUD...",
                    "scene file; or " + k_files_help + ", rendered without one" + k_database_help,
                    [command = command.get()](const std::vector<std::string>& words) {
                      take_scene_or_cloud(words, *command);
                    });
-  const Option cloud = add_cloud_files(render.excludes(scene), "--cloud", "FILE...", "the same as CLOUD",
-                                       command->files, command->view);
+  const Field cloud = add_cloud_files(render.excludes(scene), "--cloud", "FILE...", "the same as CLOUD",
+                                      command->files, command->view);
   render.excludes(cloud).value(
       "--site", "courtyard",
       "render the exact surfaces of the site that 'alidade generate' scans, in place of the "
@@ -294,7 +294,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
         if (text != "courtyard") throw UsageError("invalid value; expected courtyard, found '" + text + "'");
         command->exact_site = true;
       });
-  add_mesh_option(render, "beside the cloud or the scene", command->meshes);
+  add_mesh_field(render, "beside the cloud or the scene", command->meshes);
   render.file("-o,--output", "FILE",
               "output image: .png, .jpg, .exr or .tif (default: the scene's); for a set of cameras with %04d "
               "(number, from 0), %s (name of the photograph) or %f (the same with folders and extension)",

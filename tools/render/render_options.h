@@ -64,7 +64,7 @@ struct RenderCommand : CloudRequest {
 };
 
 /// Declares the command's options; they fill what is returned.
-std::shared_ptr<RenderCommand> add_render_options(const Options& render);
+std::shared_ptr<RenderCommand> add_render_options(const Fields& render);
 
 /// The scene to render: read from its file, or a default one around the clouds, with all options applied but
 /// those of the camera. Errors: options that contradict each other or do not fit the scene.

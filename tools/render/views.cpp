@@ -139,9 +139,9 @@ std::string reason_of(std::span<const View> views, const Octree& octree) {
 
 }  // namespace
 
-void add_camera_options(const Options& render, CameraRequest& request) {
-  const Option camera = render.file("--camera", "FILE|FOLDER",
-                                    "cameras instead of the scene's: " + k_camera_files, request.file);
+void add_camera_options(const Fields& render, CameraRequest& request) {
+  const Field camera = render.file("--camera", "FILE|FOLDER",
+                                   "cameras instead of the scene's: " + k_camera_files, request.file);
   render.needs(camera).text("--camera-name", "NAME",
                             "one of the file's cameras, by the name of its photograph (default: all)",
                             request.name);
@@ -151,13 +151,13 @@ void add_camera_options(const Options& render, CameraRequest& request) {
                 "do not show points nearer to the camera, such as the camera positions that some "
                 "photogrammetry writes into its clouds (default: the camera's, else 0)",
                 request.near, 0.0, 1e9);
-  const Option panorama = render.excludes(camera).value(
+  const Field panorama = render.excludes(camera).value(
       "--panorama", "X,Y,Z", "panorama around a position, north in the centre (default size 2048x1024)",
       [&request](const std::string& text) {
         const auto position = parse_coordinates<3>(text);
         request.panorama.emplace(position[0], position[1], position[2]);
       });
-  const Option above = render.excludes(camera).excludes(panorama).choice(
+  const Field above = render.excludes(camera).excludes(panorama).choice(
       "--orthographic", "orthophoto with parallel vertical rays, north up; .tif gives a GeoTIFF",
       request.from_above, {{"top", true}});
   render.excludes(above).value(

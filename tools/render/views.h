@@ -28,7 +28,7 @@ struct CameraRequest {
 };
 
 /// Declares the options; they fill `request`.
-void add_camera_options(const Options& render, CameraRequest& request);
+void add_camera_options(const Fields& render, CameraRequest& request);
 
 /// One image to make.
 struct View {

@@ -23,7 +23,7 @@ struct LoadOptions : RunRequest {
 };
 
 /// Declares these options.
-void add_load_options(const Options& command, LoadOptions& options) {
+void add_load_options(const Fields& command, LoadOptions& options) {
   command.value("--memory", "SIZE",
                 "memory for sorting points: bytes, or a number with k, M, G or T (default: 1G); points of a "
                 "larger cloud use a temporary file next to the output",

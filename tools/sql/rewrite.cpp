@@ -103,7 +103,7 @@ Command add_sql_rewrite(const Options& sql) {
                              {"spark", SqlDialect::spark},
                              {"sqlite", SqlDialect::sqlite},
                              {"trino", SqlDialect::trino}});
-  const Option statement = rewrite.text(
+  const Field statement = rewrite.text(
       "statement", "STATEMENT", "SQL to rewrite; - or nothing reads standard input", command->statement);
   rewrite.excludes(statement).file("-f,--file", "FILE", "rewrite the statements of a file", command->file);
   rewrite.text(

@@ -362,13 +362,13 @@ Command add_sql(const Options& program) {
   sql.file("cloud", "CLOUD",
            "SQLite file with clouds; or a cloud: a file, folder, pattern or catalog, as the table points",
            command->cloud);
-  const Option statement = sql.text(
-      "statement", "STATEMENT", "SQL to run; - reads standard input; without it a terminal opens a prompt",
-      command->statement);
+  const Field statement = sql.text("statement", "STATEMENT",
+                                   "SQL to run; - reads standard input; without it a terminal opens a prompt",
+                                   command->statement);
   sql.excludes(statement).file("-f,--file", "FILE", "run the statements of a file", command->file);
   sql.text("--param", "VALUE", "value of ? (in order) or, as name=VALUE, of :name; NULL, a number or text",
            command->parameters);
-  const Option csv = sql.flag("--csv", "rows as CSV with a header", command->csv);
+  const Field csv = sql.flag("--csv", "rows as CSV with a header", command->csv);
   sql.excludes(csv).flag("--json", "rows as an array of objects", command->json);
   sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
            command->explain);

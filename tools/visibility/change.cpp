@@ -10,7 +10,7 @@
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
 #include "tools/view_options.h"
-#include "tools/visibility/blocking_cloud.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/read_observers.h"
 
 namespace alidade::tools {
@@ -133,9 +133,9 @@ void check_same_system(const ChangeCommand& command, const EpochCloud& before, c
                               crs_name(old_crs), crs_name(new_crs))});
 }
 
-void measure(const ChangeCommand& command, EpochCloud& epoch) {
+void measure(const ChangeCommand& command, EpochCloud& epoch, Console& console) {
   epoch.occluders = measured_occluders(epoch.cloud.octree, epoch.columns.classifications,
-                                       command.ignored_classes, {}, command.verbosity);
+                                       command.ignored_classes, {}, console);
 }
 
 /// `changes` must outlive the columns.
@@ -247,8 +247,9 @@ ExitCode run(const ChangeCommand& command) {
   const auto after = load_epoch(command, command.after);
   check_same_system(command, *before, *after);
   visibility::check_overlap(before->cloud.octree, after->cloud.octree);
-  measure(command, *before);
-  measure(command, *after);
+  Console console(command.verbosity);
+  measure(command, *before, console);
+  measure(command, *after, console);
   visibility::ChangeOptions options = command.options;
   const visibility::Changes changes =
       with_progress("comparing", "points", command.verbosity, [&](const Progress& progress) {
@@ -269,7 +270,7 @@ ExitCode run(const ChangeCommand& command) {
   return ExitCode::done;
 }
 
-void add_epoch(const Options& change, const char* operand, EpochRequest& epoch,
+void add_epoch(const Fields& change, const char* operand, EpochRequest& epoch,
                const std::shared_ptr<ViewRequest>& view) {
   change.required().value(
       operand, epoch.name,
@@ -282,8 +283,8 @@ void add_epoch(const Options& change, const char* operand, EpochRequest& epoch,
       });
 }
 
-void add_origins(const Options& change, EpochRequest& epoch) {
-  const Options group = change.group("Scanner positions");
+void add_origins(const Fields& change, EpochRequest& epoch) {
+  const Fields group = change.group("Scanner positions");
   group.values(epoch.option, "X,Y,Z",
                fmt::format("position of a scanner of {}, in the coordinates of the cloud; repeatable "
                            "(default: the poses of an E57, PTX or PCD file)",
@@ -297,8 +298,8 @@ void add_origins(const Options& change, EpochRequest& epoch) {
       epoch.origins_file);
 }
 
-void add_distances(const Options& change, ChangeCommand& command) {
-  const Options group = change.group("Distances");
+void add_distances(const Fields& change, ChangeCommand& command) {
+  const Fields group = change.group("Distances");
   group.number("--registration-error", "LENGTH",
                "standard deviation of the offset between both clouds, in metres (default: 0)",
                command.options.registration_error, 0.0, 1e6);
@@ -333,7 +334,7 @@ Command add_change(const Options& program) {
                          command->output);
   add_origins(change, command->before);
   add_origins(change, command->after);
-  const Options sight = change.group("Scanner positions");
+  const Fields sight = change.group("Scanner positions");
   sight.flag(
       "--no-sight",
       "accept unknown scanner positions: points without a counterpart in that epoch are unmatched, not gone, "

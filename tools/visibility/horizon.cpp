@@ -13,9 +13,8 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/horizon/skyline.h"
 #include "visibility/sky/sky_view.h"
 
@@ -23,7 +22,7 @@ namespace alidade::tools {
 namespace {
 
 struct HorizonCommand : VisibilityRequest {
-  ObserverOptions observers;
+  ObserverRequest observers;
   double step = 0.5, resolution = 0.01;
   int sky_directions = 4096;
   std::filesystem::path skyline, depth;
@@ -56,9 +55,9 @@ void check_options(const HorizonCommand& command) {
   check_outputs(outputs, command.overwrite, command.inputs({command.observers.file}));
 }
 
-visibility::Observer only_observer(const HorizonCommand& command, const VisibilityCloud& cloud) {
-  const std::vector<visibility::Observer> observers =
-      load_observers(command.observers, cloud, command.verbosity);
+visibility::Observer only_observer(const HorizonCommand& command, const VisibilityCloud& cloud,
+                                   Console& console) {
+  const std::vector<visibility::Observer> observers = load_observers(command.observers, cloud, console);
   if (observers.size() != 1) {
     throw input_error("a horizon requires a single observer", "one observer",
                       std::to_string(observers.size()));
@@ -93,7 +92,8 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud,
     throw input_error("the field of view contains no azimuth",
                       "a smaller --step or a wider --horizontal-fov");
   }
-  const visibility::Ground ground = find_ground(cloud, {}, Verbosity::quiet);
+  Console quiet(Verbosity::quiet);
+  const visibility::Ground ground = find_ground(cloud, {}, quiet);
   for (visibility::HorizonDirection& one : view.line) {
     if (!one.blocker) continue;
     one.unscanned = visibility::unscanned_length(ground, glm::dvec2(view.eye.position),
@@ -185,12 +185,13 @@ ExitCode run(const HorizonCommand& command) {
   // Fails before the work if what writes the output is missing.
   if (!command.skyline.empty() || !command.depth.empty()) image_module();
   if (is_geojson(command.output)) geo::load_gdal();
-  const Verbosity verbosity = command.verbosity;
+  Console console(command.verbosity);
   check_given(command.observers);
-  const auto cloud = load_cloud_alone(command, Attribute::classification, AcceptedInput::points_or_raster);
-  const visibility::Observer observer = only_observer(command, *cloud);
-  measure_occluders(*cloud, command.occluders, verbosity);
-  say_observer_remarks(std::span(&observer, 1), *cloud, verbosity);
+  const auto cloud =
+      load_cloud_alone(command, Attribute::classification, AcceptedInput::points_or_raster, console);
+  const visibility::Observer observer = only_observer(command, *cloud, console);
+  measure_occluders(*cloud, command.occluders, console);
+  say_observer_remarks(std::span(&observer, 1), *cloud, console);
   const View view = look_around(command, *cloud, observer);
   if (!command.skyline.empty()) write_image(command, *cloud, view);
   if (!command.depth.empty()) write_depth(command, *cloud, view);
@@ -199,8 +200,8 @@ ExitCode run(const HorizonCommand& command) {
   return ExitCode::done;
 }
 
-void add_answers(const Options& horizon, HorizonCommand& command) {
-  const Options group = horizon.group("Answers");
+void add_answers(const Fields& horizon, HorizonCommand& command) {
+  const Fields group = horizon.group("Answers");
   group.file("-o,--output", "FILE.csv|FILE.geojson",
              "horizon as CSV or GeoJSON, by the extension (default: CSV to stdout)", command.output);
   group.file("--skyline", "FILE.png", "also draw the skyline, coloured by distance", command.skyline);
@@ -224,9 +225,9 @@ Command add_visibility_horizon(const Options& visibility) {
   auto command = std::make_shared<HorizonCommand>();
   const Options horizon =
       visibility.command("horizon", "Compute the horizon, sky-view factors and a panorama at one position");
-  add_cloud(horizon, *command, {"--ignore-classes"});
-  add_observer_options(horizon, command->observers);
-  add_occluder_options(horizon, command->occluders);
+  add_cloud(horizon, command->files, {"--ignore-classes"});
+  add_observer_fields(horizon, command->observers);
+  add_occluder_fields(horizon, command->occluders);
   add_answers(horizon, *command);
   add_scratch_memory(horizon, command->memory);
   add_run_options(horizon, *command);

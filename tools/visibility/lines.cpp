@@ -8,10 +8,8 @@
 #include "octree/distance.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/long_run.h"
-#include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_files.h"
 #include "visibility/raster/curved_sight.h"
@@ -56,8 +54,8 @@ const visibility::Observer& position_called(const std::map<std::string, const vi
 }
 
 /// The ends of pairs with coordinates, first and second of each in turn.
-ObserverOptions ends_with_coordinates(const std::vector<visibility::GivenPair>& pairs) {
-  ObserverOptions ends;
+ObserverRequest ends_with_coordinates(const std::vector<visibility::GivenPair>& pairs) {
+  ObserverRequest ends;
   for (const visibility::GivenPair& pair : pairs) {
     // Ends without a name get the number of their pair.
     const std::size_t number = ends.positions.size() / 2 + 1;
@@ -98,8 +96,8 @@ void for_each_pair(const LineSet& lines, const std::function<void(std::size_t, s
   }
 }
 
-void add_pair_options(const Options& command, PairRequest& request) {
-  const Options group = command.group("Lines");
+void add_pair_options(const Fields& command, PairRequest& request) {
+  const Fields group = command.group("Lines");
   group.file(
       "--pairs", "FILE",
       "CSV with one pair per row: names of --places in the columns from and to, or coordinates (see below)",
@@ -128,14 +126,14 @@ void check_pair_request(const PairRequest& request) {
 /// Reads positions and pairs, and computes the ends of the lines over the cloud. Surfaces need not be
 /// measured. Errors: those of read_pair_table() and load_observers(); names of no position, or of two;
 /// coordinates beside --places; a single position.
-LineSet load_lines(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
+LineSet load_lines(const PairRequest& request, const VisibilityCloud& cloud, Console& console) {
   std::vector<visibility::GivenPair> given;
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
   const bool has_coordinates = !given.empty() && given.front().has_positions;
   if (has_coordinates && !request.places.empty())
     throw file_error(request.pairs, "pairs given as coordinates, but --places requires names",
                      "names of positions, or no --places");
-  ObserverOptions options;
+  ObserverRequest options;
   if (has_coordinates) options = ends_with_coordinates(given);
   options.file = request.places;
   options.anywhere = true;  // masts and mountains may be far away
@@ -144,7 +142,7 @@ LineSet load_lines(const PairRequest& request, const VisibilityCloud& cloud, Ver
   options.defaults = request.defaults;
   LineSet lines;
   lines.are_pairs = !given.empty();
-  if (has_coordinates || !request.places.empty()) lines.ends = load_observers(options, cloud, verbosity);
+  if (has_coordinates || !request.places.empty()) lines.ends = load_observers(options, cloud, console);
   lines.named = lines.ends;
   if (lines.are_pairs) {
     if (!has_coordinates) lines.ends = ends_with_names(request.places, lines.named, given);
@@ -278,24 +276,26 @@ Fingerprint fingerprint_of(const LinesCommand& command, const VisibilityCloud& c
 ExitCode run_lines(const LinesCommand& command) {
   check_options(command);
   load_row_writer(command.output);
-  const auto cloud = load_cloud_alone(command, {}, AcceptedInput::points_or_raster);
-  const LineSet lines = load_lines(command.pairs, *cloud, command.verbosity);
+  Console console(command.verbosity);
+  const auto cloud = load_cloud_alone(command, {}, AcceptedInput::points_or_raster, console);
+  const LineSet lines = load_lines(command.pairs, *cloud, console);
   check_report_memory(lines, command.frequency.has_value());
   const visibility::LineReportOptions options = report_options(command, *cloud, lines);
   visibility::check_line_report(options, command.occluders.options.transparency);
   check_margin(lines, command.end_margin);
-  measure_occluders(*cloud, command.occluders, command.verbosity);
-  say_observer_remarks(lines.named, *cloud, command.verbosity);
+  measure_occluders(*cloud, command.occluders, console);
+  say_observer_remarks(lines.named, *cloud, console);
   visibility::LineTable table;
   table.pairs = pairs_of(lines, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
   LongRun long_run(
-      command.checkpoint, [&] { return fingerprint_of(command, *cloud, table.pairs); }, command.verbosity);
+      command.checkpoint, [&] { return fingerprint_of(command, *cloud, table.pairs); }, console);
   table.reports =
       long_run.work("testing lines of sight", "lines", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::report_lines(*cloud->occluders, table.pairs, options, progress, parts);
       });
-  const visibility::Ground ground = find_ground(*cloud, {}, Verbosity::quiet);
+  Console quiet(Verbosity::quiet);
+  const visibility::Ground ground = find_ground(*cloud, {}, quiet);
   for (const visibility::LinePair& pair : table.pairs)
     table.unscanned.push_back(
         visibility::unscanned_length(ground, glm::dvec2(pair.from.position), glm::dvec2(pair.to.position)));
@@ -307,7 +307,7 @@ ExitCode run_lines(const LinesCommand& command) {
   return ExitCode::done;
 }
 
-void add_radio(const Options& lines, LinesCommand& command) {
+void add_radio(const Fields& lines, LinesCommand& command) {
   lines.group("Radio").value(
       "--frequency", "F[GHz|MHz]",
       "report the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
@@ -318,7 +318,7 @@ void add_radio(const Options& lines, LinesCommand& command) {
       });
 }
 
-void add_bending(const Options& lines, LinesCommand& command) {
+void add_bending(const Fields& lines, LinesCommand& command) {
   lines.group("Lines").value(
       "--earth-radius-factor", "K|off",
       "bend lines for an Earth of K times its radius, which includes refraction (default: 1.3333 with "
@@ -336,17 +336,17 @@ Command add_visibility_lines(const Options& visibility) {
   auto command = std::make_shared<LinesCommand>();
   const Options lines =
       visibility.command("lines", "Test lines of sight between pairs of positions, and their Fresnel zones");
-  add_cloud(lines, *command, {"--ignore-classes"});
+  add_cloud(lines, command->files, {"--ignore-classes"});
   add_pair_options(lines, command->pairs);
   lines.group("Lines").number("--end-margin", "LENGTH",
                               "excluded length at either end, for scanned masts and tripods (default: 0)",
                               command->end_margin, 0.0, 1e9);
   add_bending(lines, *command);
   add_radio(lines, *command);
-  add_occluder_options(lines, command->occluders);
+  add_occluder_fields(lines, command->occluders);
   lines.required().file("-o,--output", "FILE", "output file: .csv, .json or .geojson", command->output);
   lines.flag("--overwrite", "replace an existing file", command->overwrite);
-  add_checkpoint_options(lines.group("Long runs"), command->checkpoint);
+  add_checkpoint_fields(lines.group("Long runs"), command->checkpoint);
   add_scratch_memory(lines, command->memory);
   add_run_options(lines, *command);
   return command_of(lines, command, run_lines);

@@ -20,9 +20,7 @@
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/long_run.h"
-#include "tools/visibility/observer_options.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/photos/photo_file.h"
 #include "visibility/photos/photo_visibility.h"
 
@@ -258,23 +256,25 @@ void write(const PhotosCommand& command, const VisibilityCloud& cloud,
 ExitCode run(const PhotosCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
+  Console console(verbosity);
   const camera::CameraSet set = read_photo_cameras(command);
   const PhotoReader read_photo = find_photos(command, set.cameras);
   if (!command.footprints.empty()) geo::load_gdal();
   const auto cloud = load_cloud_alone(
-      command, command.output.empty() ? AttributeSet(Attribute::classification) : AttributeSet::all());
+      command, command.output.empty() ? AttributeSet(Attribute::classification) : AttributeSet::all(),
+      AcceptedInput::points, console);
   check_cameras(command, cloud->octree(), set.cameras);
   visibility::PhotoVisibilityOptions options{.max_distance = command.max_distance,
                                              .read_photo = read_photo,
                                              .footprint_cell = command.footprint_cell,
                                              .with_footprints = !command.footprints.empty()};
   visibility::check_photo_memory(cloud->octree().size(), options);
-  measure_occluders(*cloud, command.occluders, verbosity);
+  measure_occluders(*cloud, command.occluders, console);
   const std::vector<visibility::Observer> observers =
       visibility::photo_observers(set.cameras, command.max_distance);
-  say_observer_remarks(observers, *cloud, verbosity);
+  say_observer_remarks(observers, *cloud, console);
   LongRun long_run(
-      command.checkpoint, [&] { return fingerprint_of(command, *cloud, set.cameras, observers); }, verbosity);
+      command.checkpoint, [&] { return fingerprint_of(command, *cloud, set.cameras, observers); }, console);
   visibility::PhotoVisibility seen = long_run.work(
       "testing visibility", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
         options.progress = progress;
@@ -287,8 +287,8 @@ ExitCode run(const PhotosCommand& command) {
   return say_result(command, *cloud, set.cameras, seen);
 }
 
-void add_photos(const Options& command, PhotosCommand& photos) {
-  const Options group = command.group("Photos");
+void add_photos(const Fields& command, PhotosCommand& photos) {
+  const Fields group = command.group("Photos");
   group.required().file("--camera", "FILE|FOLDER", "cameras of the photos: " + k_camera_files,
                         photos.cameras);
   group.text("--camera-name", "NAME", "only this camera, by the name of its photo; repeatable (default: all)",
@@ -301,12 +301,12 @@ void add_photos(const Options& command, PhotosCommand& photos) {
               parse_distance_limit);
 }
 
-void add_answers(const Options& command, PhotosCommand& photos) {
-  const Options group = command.group("Answers");
-  const Option output = group.file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
-                                   "output cloud: LAS 1.4, LAZ or PLY, by the extension", photos.output);
+void add_answers(const Fields& command, PhotosCommand& photos) {
+  const Fields group = command.group("Answers");
+  const Field output = group.file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
+                                  "output cloud: LAS 1.4, LAZ or PLY, by the extension", photos.output);
   group.needs(output).flag("--colorize", "colour the points of the output from --photos", photos.colorize);
-  const Option footprints =
+  const Field footprints =
       group.file("--footprints", "FILE.gpkg",
                  "GeoPackage with the footprint of each photo, and the overlaps of pairs", photos.footprints);
   group.needs(footprints)
@@ -323,11 +323,11 @@ Command add_visibility_photos(const Options& visibility) {
   auto command = std::make_shared<PhotosCommand>();
   const Options photos = visibility.command(
       "photos", "Compute which photos see which points, their footprints, and colours of points");
-  add_cloud(photos, *command, {"--ignore-classes"});
+  add_cloud(photos, command->files, {"--ignore-classes"});
   add_photos(photos, *command);
-  add_occluder_options(photos, command->occluders);
+  add_occluder_fields(photos, command->occluders);
   add_answers(photos, *command);
-  add_checkpoint_options(photos.group("Long runs"), command->checkpoint);
+  add_checkpoint_fields(photos.group("Long runs"), command->checkpoint);
   add_scratch_memory(photos, command->memory);
   add_run_options(photos, *command);
   return command_of(photos, command, run);

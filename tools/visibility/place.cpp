@@ -5,17 +5,15 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/long_run.h"
-#include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/points/placement.h"
 
 namespace alidade::tools {
 namespace {
 
 struct PlaceCommand : VisibilityRequest {
-  ObserverOptions candidates;
+  ObserverRequest candidates;
   std::optional<double> target_height;
   double target_spacing = 1.0;
   std::optional<std::bitset<256>> target_classes;
@@ -91,17 +89,18 @@ void say_result(const PlaceCommand& command, const visibility::Placement& placem
 ExitCode run(const PlaceCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
+  Console console(verbosity);
   load_row_writer(command.output);
   if (!command.curve.empty()) image_module();
-  const auto cloud = load_cloud_alone(command, {});
-  const std::vector<visibility::Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
+  const auto cloud = load_cloud_alone(command, {}, AcceptedInput::points, console);
+  const std::vector<visibility::Observer> candidates = load_observers(command.candidates, *cloud, console);
   const std::vector<visibility::PlacementTarget> targets = targets_of(command, *cloud);
   visibility::check_coverage(candidates.size(), targets.size());
-  measure_occluders(*cloud, command.occluders, verbosity);
-  say_observer_remarks(candidates, *cloud, verbosity);
+  measure_occluders(*cloud, command.occluders, console);
+  say_observer_remarks(candidates, *cloud, console);
   say_note(command.verbosity, fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
   LongRun long_run(
-      command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, candidates); }, verbosity);
+      command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, candidates); }, console);
   const visibility::Coverage coverage = long_run.work(
       "testing visibility", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::see_targets(*cloud->occluders, candidates, targets,
@@ -125,8 +124,8 @@ ExitCode run(const PlaceCommand& command) {
   return ExitCode::done;
 }
 
-void add_targets(const Options& place, PlaceCommand& command) {
-  const Options group = place.group("Targets");
+void add_targets(const Fields& place, PlaceCommand& command) {
+  const Fields group = place.group("Targets");
   group.number("--target-spacing", "LENGTH",
                "thin the targets to one point per cube of this edge length (default: 1)",
                command.target_spacing, 1e-6, 1e9);
@@ -140,8 +139,8 @@ void add_targets(const Options& place, PlaceCommand& command) {
               command.class_weights, parse_weights);
 }
 
-void add_answers(const Options& place, PlaceCommand& command) {
-  const Options group = place.group("Answers");
+void add_answers(const Fields& place, PlaceCommand& command) {
+  const Fields group = place.group("Answers");
   group.required().count("--count", "K", "number of positions to choose", command.count, 1, 1'000'000'000);
   group.required().file(
       "-o,--output", "FILE",
@@ -157,12 +156,12 @@ void add_answers(const Options& place, PlaceCommand& command) {
 Command add_visibility_place(const Options& visibility) {
   auto command = std::make_shared<PlaceCommand>();
   const Options place = visibility.command("place", "Choose the few observer positions that see most");
-  add_cloud(place, *command, {"--ignore-classes"});
-  add_observer_options(place, command->candidates);
+  add_cloud(place, command->files, {"--ignore-classes"});
+  add_observer_fields(place, command->candidates);
   add_targets(place, *command);
-  add_occluder_options(place, command->occluders);
+  add_occluder_fields(place, command->occluders);
   add_answers(place, *command);
-  add_checkpoint_options(place.group("Long runs"), command->checkpoint);
+  add_checkpoint_fields(place.group("Long runs"), command->checkpoint);
   add_scratch_memory(place, command->memory);
   add_run_options(place, *command);
   return command_of(place, command, run);

@@ -12,9 +12,7 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
-#include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/long_run.h"
-#include "tools/visibility/observer_options.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/points/point_visibility.h"
 
 namespace alidade::tools {
@@ -23,7 +21,7 @@ namespace {
 enum class BlockerColumns { none, all };
 
 struct PointsCommand : VisibilityRequest {
-  ObserverOptions observers;
+  ObserverRequest observers;
   CheckpointRequest checkpoint;
   int sub_rays = 1;
   std::optional<BlockerColumns> blockers;
@@ -182,20 +180,21 @@ std::string blocking_text(const visibility::PointVisibility& seen, const visibil
 ExitCode run(const PointsCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
+  Console console(verbosity);
   check_given(command.observers);
-  const auto cloud = load_cloud_alone(command, AttributeSet::all());
-  const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, verbosity);
+  const auto cloud = load_cloud_alone(command, AttributeSet::all(), AcceptedInput::points, console);
+  const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, console);
   check_observer_count(command, observers.size());
   const visibility::PointVisibilityOptions options =
       visibility_options(command, cloud->octree().size(), observers.size());
-  measure_occluders(*cloud, command.occluders, verbosity);
-  say_observer_remarks(observers, *cloud, verbosity);
+  measure_occluders(*cloud, command.occluders, console);
+  say_observer_remarks(observers, *cloud, console);
   if (observers.size() > visibility::k_most_mask_observers && command.lists.empty()) {
     say_note(verbosity, fmt::format("{} observers exceed the {} bits of VisibleBy; use --lists FILE",
                                     observers.size(), visibility::k_most_mask_observers));
   }
   LongRun long_run(
-      command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, observers); }, verbosity);
+      command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, observers); }, console);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
   const visibility::PointVisibility seen = test_visibility(*cloud, observers, options, long_run, list);
@@ -213,8 +212,8 @@ ExitCode run(const PointsCommand& command) {
   return ExitCode::done;
 }
 
-void add_answers(const Options& points, PointsCommand& command) {
-  const Options group = points.group("Answers");
+void add_answers(const Fields& points, PointsCommand& command) {
+  const Fields group = points.group("Answers");
   group.required().file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
                         "output cloud: LAS 1.4, LAZ or PLY, by the extension", command.output);
   group.count("--fraction", "N",
@@ -237,11 +236,11 @@ Command add_visibility_points(const Options& visibility) {
   auto command = std::make_shared<PointsCommand>();
   const Options points =
       visibility.command("points", "Compute the visibility of every point, and what blocks it");
-  add_cloud(points, *command, {"--ignore-classes"});
-  add_observer_options(points, command->observers);
-  add_occluder_options(points, command->occluders);
+  add_cloud(points, command->files, {"--ignore-classes"});
+  add_observer_fields(points, command->observers);
+  add_occluder_fields(points, command->occluders);
   add_answers(points, *command);
-  add_checkpoint_options(points.group("Long runs"), command->checkpoint);
+  add_checkpoint_fields(points.group("Long runs"), command->checkpoint);
   add_scratch_memory(points, command->memory);
   add_run_options(points, *command);
   return command_of(points, command, run);

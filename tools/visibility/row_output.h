@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "cloud/point_cloud.h"
-#include "tools/visibility/blocking_cloud.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/row_text.h"
 
 // What commands that write rows have in common.

@@ -8,7 +8,7 @@
 #include "geo/raster_file.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/image_module.h"
-#include "tools/visibility/observer_options.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/sky/sky_of_cloud.h"
 
 namespace alidade::tools {
@@ -23,7 +23,7 @@ void check_sky_request(const SkyRequest& request) {
   if (!request.is_map()) {
     if (!has_extension(request.output, {".las", ".laz", ".ply"}))
       throw file_error(request.output, "unknown output format", "the extension .las, .laz, .ply or .tif");
-    if (const std::string option = given_map_option(request.map); !option.empty())
+    if (const std::string option = given_map_field(request.map); !option.empty())
       reject(option, "a map (.tif)");
   }
   check_writable(request.output, request.overwrite, request.inputs());
@@ -80,10 +80,11 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, L
 }
 
 ExitCode run(const SkyCommand& command) {
-  const SkySite site = load_sky_site(command, 1);
+  Console console(command.verbosity);
+  const SkySite site = load_sky_site(command, 1, console);
   LongRun long_run(
-      command.checkpoint, [&] { return sky_fingerprint(command, site); }, command.verbosity);
-  measure_occluders(*site.cloud, command.occluders, command.verbosity);
+      command.checkpoint, [&] { return sky_fingerprint(command, site); }, console);
+  measure_occluders(*site.cloud, command.occluders, console);
   const std::string found =
       command.is_map() ? map_sky(command, site, long_run) : point_sky(command, *site.cloud, long_run);
   long_run.finish();
@@ -97,9 +98,9 @@ bool SkyRequest::is_map() const {
   return has_extension(output, {".tif", ".tiff"});
 }
 
-void add_sky_request(const Options& command, SkyRequest& request) {
-  add_cloud(command, request, {"--ignore-classes"});
-  const Options group = command.group("Answers");
+void add_sky_request(const Fields& command, SkyRequest& request) {
+  add_cloud(command, request.files, {"--ignore-classes"});
+  const Fields group = command.group("Answers");
   group.required().file(
       "-o,--output", "FILE.las|FILE.laz|FILE.ply|FILE.tif",
       "output: LAS 1.4 or PLY with a value for every point; GeoTIFF with a map of the ground",
@@ -114,25 +115,24 @@ void add_sky_request(const Options& command, SkyRequest& request) {
       {{"surface", visibility::SkyReceiver::surface}, {"horizontal", visibility::SkyReceiver::horizontal}});
   group.value("--max-distance", "LENGTH", "largest distance of blocking points (default: inf)",
               request.max_distance, parse_distance_limit);
-  add_map_options(command, request.map);
+  add_map_fields(command, request.map);
   add_target_height(command.group(k_map_group), request.map.target_height);
-  add_occluder_options(command, request.occluders);
-  add_checkpoint_options(command.group("Long runs"), request.checkpoint);
+  add_occluder_fields(command, request.occluders);
+  add_checkpoint_fields(command.group("Long runs"), request.checkpoint);
   add_scratch_memory(command, request.memory);
   add_run_options(command, request);
 }
 
-SkySite load_sky_site(const SkyRequest& request, int bands) {
+SkySite load_sky_site(const SkyRequest& request, int bands, Console& console) {
   check_sky_request(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
-  const Verbosity verbosity = request.verbosity;
   const AcceptedInput accepted = request.is_map() ? AcceptedInput::points_or_raster : AcceptedInput::points;
-  SkySite site{load_cloud_alone(request, attributes, accepted), {}, {}, {}};
+  SkySite site{load_cloud_alone(request, attributes, accepted, console), {}, {}, {}};
   if (!request.is_map()) return site;
-  site.ground = find_map_ground(request.map, *site.cloud, verbosity);
+  site.ground = find_map_ground(request.map, *site.cloud, console);
   site.unit = cloud_unit(site.cloud->cloud.cloud.crs).name;
   site.grid =
-      map_grid(request.map, map_area(request.map, *site.cloud), *site.ground, bands, site.unit, verbosity);
+      map_grid(request.map, map_area(request.map, *site.cloud), *site.ground, bands, site.unit, console);
   return site;
 }
 

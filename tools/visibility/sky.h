@@ -6,9 +6,7 @@
 
 #include "tools/cloud/write_points.h"
 #include "tools/options.h"
-#include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/long_run.h"
-#include "tools/visibility/map_options.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/raster/ground.h"
 #include "visibility/raster/map_image.h"
 #include "visibility/sky/sky_view.h"
@@ -20,7 +18,7 @@ namespace alidade::tools {
 /// Options of both commands.
 struct SkyRequest : VisibilityRequest {
   std::optional<visibility::SkyReceiver> receiver;  ///< empty: surfaces of points, horizontal cells
-  MapOptions map;                                   ///< maps only
+  MapRequest map;                                   ///< maps only
   CheckpointRequest checkpoint;
   double max_distance = std::numeric_limits<double>::infinity();
 
@@ -29,7 +27,7 @@ struct SkyRequest : VisibilityRequest {
 };
 
 /// Declares the options of both commands.
-void add_sky_request(const Options& command, SkyRequest& request);
+void add_sky_request(const Fields& command, SkyRequest& request);
 
 /// A cloud, and if a map is requested, its ground and cells.
 struct SkySite {
@@ -42,7 +40,7 @@ struct SkySite {
 /// All that is done before occluders are measured, which may take long. `bands`: of a map. Errors: an output
 /// of another format, or that cannot be written; options that do not apply to this kind of output; the module
 /// that writes the output is missing; those of load_cloud_alone(), map_grid().
-SkySite load_sky_site(const SkyRequest& request, int bands);
+SkySite load_sky_site(const SkyRequest& request, int bands, Console& console);
 
 /// All that the answers of both commands depend on.
 Fingerprint sky_fingerprint(const SkyRequest& request, const SkySite& site);

@@ -5,17 +5,15 @@
 
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/long_run.h"
-#include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/points/point_visibility.h"
 
 namespace alidade::tools {
 namespace {
 
 struct SummaryCommand : VisibilityRequest {
-  ObserverOptions observers;
+  ObserverRequest observers;
   visibility::SummaryOptions summary;  ///< without classes
   CheckpointRequest checkpoint;
 };
@@ -43,15 +41,16 @@ void check_options(const SummaryCommand& command) {
 ExitCode run(const SummaryCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
+  Console console(verbosity);
   load_row_writer(command.output);
   check_given(command.observers);
-  const auto cloud = load_cloud_alone(command, Attribute::classification);
-  const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, verbosity);
+  const auto cloud = load_cloud_alone(command, Attribute::classification, AcceptedInput::points, console);
+  const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, console);
   visibility::check_point_visibility(cloud->octree().size(), observers.size(), {});
-  measure_occluders(*cloud, command.occluders, verbosity);
-  say_observer_remarks(observers, *cloud, verbosity);
+  measure_occluders(*cloud, command.occluders, console);
+  say_observer_remarks(observers, *cloud, console);
   LongRun long_run(
-      command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, observers); }, verbosity);
+      command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, observers); }, console);
   visibility::SummaryOptions options = command.summary;
   options.classes = cloud->columns.classifications;
   const std::vector<visibility::ObserverSummary> summaries = long_run.work(
@@ -70,8 +69,8 @@ ExitCode run(const SummaryCommand& command) {
   return ExitCode::done;
 }
 
-void add_answers(const Options& summary, SummaryCommand& command) {
-  const Options group = summary.group("Answers");
+void add_answers(const Fields& summary, SummaryCommand& command) {
+  const Fields group = summary.group("Answers");
   group.required().file("-o,--output", "FILE", "output file: .csv, .json or .geojson; one row per observer",
                         command.output);
   group.value("--bands", "LIST", "limits of the bands of distance, ascending (default: 10,100,1000)",
@@ -92,11 +91,11 @@ void add_answers(const Options& summary, SummaryCommand& command) {
 Command add_visibility_summary(const Options& visibility) {
   auto command = std::make_shared<SummaryCommand>();
   const Options summary = visibility.command("summary", "Summarize what each observer sees in one row");
-  add_cloud(summary, *command, {"--ignore-classes"});
-  add_observer_options(summary, command->observers);
-  add_occluder_options(summary, command->occluders);
+  add_cloud(summary, command->files, {"--ignore-classes"});
+  add_observer_fields(summary, command->observers);
+  add_occluder_fields(summary, command->occluders);
   add_answers(summary, *command);
-  add_checkpoint_options(summary.group("Long runs"), command->checkpoint);
+  add_checkpoint_fields(summary.group("Long runs"), command->checkpoint);
   add_scratch_memory(summary, command->memory);
   add_run_options(summary, *command);
   return command_of(summary, command, run);

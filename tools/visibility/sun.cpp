@@ -88,7 +88,7 @@ void check_observer_options(const SunCommand& command) {
   const auto reject = [](const std::string& option) {
     throw input_error(option + " does not apply to --observer", "a map (.tif) or points (.las, .laz, .ply)");
   };
-  if (const std::string option = given_map_option(command.map); !option.empty()) reject(option);
+  if (const std::string option = given_map_field(command.map); !option.empty()) reject(option);
   if (command.receiver == visibility::SkyReceiver::surface)
     throw input_error("--receiver surface does not apply to --observer", "--tilt and --aspect");
   if (!command.checkpoint.file.empty()) reject("--checkpoint");
@@ -154,16 +154,17 @@ void write_diagram(const SunCommand& command, const VisibilityCloud& cloud, cons
 ExitCode run_sun_observers(const SunCommand& command) {
   check_observer_options(command);
   check_given(command.observers);
-  const auto cloud = load_cloud_alone(command, Attribute::classification, AcceptedInput::points_or_raster);
-  const std::vector<visibility::Observer> observers =
-      load_observers(command.observers, *cloud, command.verbosity);
+  Console console(command.verbosity);
+  const auto cloud =
+      load_cloud_alone(command, Attribute::classification, AcceptedInput::points_or_raster, console);
+  const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, console);
   if (!command.diagram.empty() && observers.size() != 1)
     throw input_error("--diagram requires a single observer", "one observer",
                       std::to_string(observers.size()));
   const std::unique_ptr<SunSky> sun = sun_of(command, *cloud, observers.size());
   say_sun(command, *sun);
-  measure_occluders(*cloud, command.occluders, command.verbosity);
-  say_observer_remarks(observers, *cloud, command.verbosity);
+  measure_occluders(*cloud, command.occluders, console);
+  say_observer_remarks(observers, *cloud, console);
   std::vector<visibility::SkyTarget> targets;
   for (const visibility::Observer& observer : observers)
     targets.push_back(
@@ -188,7 +189,8 @@ ExitCode run(const SunCommand& command) {
     throw input_error("--bounces 1 does not apply with --beam-only", "one of the two");
   if (command.has_observers()) return run_sun_observers(command);
   if (!command.diagram.empty()) throw input_error("--diagram requires an observer", "--observer X,Y,Z");
-  const SkySite site = load_sky_site(command, static_cast<int>(sun_quantities(command).size()));
+  Console console(command.verbosity);
+  const SkySite site = load_sky_site(command, static_cast<int>(sun_quantities(command).size()), console);
   const std::unique_ptr<SunSky> sun = sun_of(command, *site.cloud);
   say_sun(command, *sun);
   LongRun long_run(
@@ -198,8 +200,8 @@ ExitCode run(const SunCommand& command) {
         add_to_fingerprint(*sun, fingerprint);
         return fingerprint;
       },
-      command.verbosity);
-  measure_occluders(*site.cloud, command.occluders, command.verbosity);
+      console);
+  measure_occluders(*site.cloud, command.occluders, console);
   const std::string found = command.is_map() ? map_sun(command, site, *sun, long_run)
                                              : point_sun(command, *site.cloud, *sun, long_run);
   long_run.finish();

@@ -69,8 +69,8 @@ void parse_turbidity(const std::string& text, SunCommand& command) {
   command.monthly_turbidity = monthly;
 }
 
-void add_time(const Options& sun, SunCommand& command) {
-  const Options group = sun.group("Sun");
+void add_time(const Fields& sun, SunCommand& command) {
+  const Fields group = sun.group("Sun");
   group.required().value(
       "--from", "DATE",
       "first day, such as 2026-06-21, or start with a zone, such as 2026-06-21T10:00+02:00. Days "
@@ -99,8 +99,8 @@ void add_time(const Options& sun, SunCommand& command) {
       [](const std::string& text) { return text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0); });
 }
 
-void add_light(const Options& sun, SunCommand& command) {
-  const Options group = sun.group("Radiation");
+void add_light(const Fields& sun, SunCommand& command) {
+  const Fields group = sun.group("Radiation");
   group.file("--weather", "FILE",
              "direct and diffuse irradiances, clouds included: EPW, TMY3 or a typical year of PVGIS as CSV "
              "(default: a clear sky)",
@@ -259,7 +259,7 @@ void add_to_fingerprint(const SunSky& sun, Fingerprint& fingerprint) {
     }
   }
   for (const visibility::LightSums& sums : sun.light.open) put(sums);
-  add_to_fingerprint("path of the sun", numbers, fingerprint);
+  jobs::add_to_fingerprint("path of the sun", numbers, fingerprint);
 }
 
 void say_sun(const SunCommand& command, const SunSky& sun) {
@@ -301,7 +301,7 @@ MapMetadata sun_metadata(const SunCommand& command, const SunSky& sun) {
           {"alidade_sky", model_text(sun)}};
 }
 
-void add_sun_request(const Options& sun, SunCommand& command) {
+void add_sun_request(const Fields& sun, SunCommand& command) {
   add_time(sun, command);
   add_light(sun, command);
 }

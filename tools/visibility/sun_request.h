@@ -10,8 +10,8 @@
 
 #include "base/date_time.h"
 #include "base/fingerprint.h"
-#include "tools/visibility/observer_options.h"
 #include "tools/visibility/sky.h"
+#include "tools/visibility/visibility_request.h"
 #include "visibility/sky/sun_hours.h"
 #include "visibility/sky/sun_path.h"
 #include "visibility/sky/weather.h"
@@ -39,7 +39,7 @@ struct SunCommand : SkyRequest {
   std::optional<double> tilt, aspect;  ///< degrees
   double albedo = 0.2;
   int bounces = 0;
-  ObserverOptions observers;
+  ObserverRequest observers;
   std::filesystem::path diagram;  ///< empty: none
 
   bool has_observers() const {
@@ -61,7 +61,7 @@ struct SunSky {
 };
 
 /// Declares the options of the sun.
-void add_sun_request(const Options& sun, SunCommand& command);
+void add_sun_request(const Fields& sun, SunCommand& command);
 
 /// The sun over a site; shows progress. `targets`: the number of receivers, if they are few: every step is
 /// then computed exactly, without bins, up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(),

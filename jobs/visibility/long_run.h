@@ -3,18 +3,19 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "base/checkpoint.h"
 #include "geo/raster.h"
-#include "tools/console.h"
-#include "tools/options.h"
-#include "tools/visibility/blocking_cloud.h"
+#include "jobs/checkpoint_request.h"
+#include "jobs/listener.h"
+#include "jobs/visibility/visibility_cloud.h"
 #include "visibility/observers.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// Lets a run fail before it starts. Errors: the checkpoint is one of the outputs or inputs, exists and may
 /// neither be resumed from nor replaced, is another kind of file, or cannot be written.
@@ -22,9 +23,9 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
                       std::span<const std::filesystem::path> outputs,
                       std::span<const std::filesystem::path> inputs);
 
-/// All that the answers of a command depend on: its name, its options without those that cannot change
+/// All that the answers of a job depend on: its name, the fields given to it without those that cannot change
 /// answers (outputs, threads, messages), the points, surfaces, classes and reference system of the cloud as
-/// it was loaded; and the observers where they were placed. Requires that the options were read. Cost: the
+/// it was loaded; and the observers where they were placed. Requires that the fields were read. Cost: the
 /// cloud is read once.
 Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud);
 Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud,
@@ -38,29 +39,29 @@ void add_to_fingerprint(const std::string& name, std::span<const double> numbers
 
 /// A run with a checkpoint of its finished parts, if one is requested.
 ///
-///   LongRun run(command.checkpoint, [&] { return run_fingerprint(...); }, verbosity);
+///   LongRun run(request.checkpoint, [&] { return run_fingerprint(...); }, listener);
 ///   run.work("testing visibility", "lines of sight",
 ///            [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
 ///   ... write ...
 ///   run.finish();
 class LongRun {
  public:
-  /// Prints what the run resumes from. `fingerprint`, which reads the whole cloud, is called only if a
+  /// Notes what the run resumes from. `fingerprint`, which reads the whole cloud, is called only if a
   /// checkpoint is requested. Errors: those of PartCheckpoint.
   LongRun(const CheckpointRequest& request, const std::function<Fingerprint()>& fingerprint,
-          Verbosity verbosity);
-  /// Prints how to resume if the run was not finished.
+          Listener& listener);
+  /// Notes how to resume if the run was not finished.
   ~LongRun();
   LongRun(const LongRun&) = delete;
   LongRun& operator=(const LongRun&) = delete;
 
-  /// Returns what compute(progress, parts) returns, with a ProgressLine around it. Parts of the checkpoint
-  /// count as done, but not for the rate. `parts` is null without a checkpoint.
+  /// Returns what compute(progress, parts) returns, as one stage. Parts of the checkpoint count as done, but
+  /// not for the rate. `parts` is null without a checkpoint.
   template <class Compute>
   auto work(const std::string& task, const std::string& unit, const Compute& compute) {
-    ProgressLine line(task, unit, verbosity_);
-    auto result = compute(progress(line), parts_ ? &*parts_ : nullptr);
-    line.finish();
+    const std::unique_ptr<Listener::Stage> stage = listener_.begin(task, unit);
+    auto result = compute(progress(*stage), parts_ ? &*parts_ : nullptr);
+    stage->finish();
     return result;
   }
 
@@ -68,10 +69,10 @@ class LongRun {
   void finish();
 
  private:
-  Progress progress(ProgressLine& line);
+  Progress progress(Listener::Stage& stage);
 
-  Verbosity verbosity_;
+  Listener& listener_;
   std::optional<PartCheckpoint> parts_;
 };
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-#include "tools/visibility/observer_options.h"
+#include "jobs/visibility/observer_request.h"
 
 #include <fmt/format.h>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "base/input_file.h"
 #include "visibility/read_observers.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
-constexpr std::size_t k_most_lines = 8;  ///< printed about observers
+constexpr std::size_t k_most_lines = 8;  ///< said about observers
 
 /// Two angles separated by a comma.
 std::pair<double, double> parse_angles(const std::string& text, double least, double most) {
@@ -19,11 +20,11 @@ std::pair<double, double> parse_angles(const std::string& text, double least, do
   return {parse_number(words[0], least, most), parse_number(words[1], least, most)};
 }
 
-void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
+void add_view(const Fields& group, visibility::ObserverDefaults& defaults) {
   group.value("--max-distance,--md,--max_distance", "LENGTH",
               "largest distance along the line of sight (default: inf)", defaults.max_distance,
               parse_distance_limit);
-  const Option azimuths =
+  const Field azimuths =
       group.value("--horizontal-fov", "A0,A1",
                   "field of view in degrees clockwise from north (+y), from A0 clockwise to A1: 350,10 looks "
                   "north (default: 0,360)",
@@ -55,14 +56,14 @@ void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
       });
 }
 
-/// The observers of the command line, then those of the file.
-std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options, const Crs& crs) {
+/// The observers that were given, then those of the file.
+std::vector<visibility::GivenObserver> read_given(const ObserverRequest& request, const Crs& crs) {
   const geo::ObserverReference reference{
-      .given = options.reference, .cloud = crs, .option = options.reference_option};
-  std::vector<visibility::GivenObserver> given = options.positions;
-  if (!options.reference.empty() && !given.empty()) visibility::to_cloud_reference(given, "", reference);
-  if (options.file.empty()) return given;
-  const std::vector<visibility::GivenObserver> read = visibility::read_observers(options.file, reference);
+      .given = request.reference, .cloud = crs, .option = request.reference_option};
+  std::vector<visibility::GivenObserver> given = request.positions;
+  if (!request.reference.empty() && !given.empty()) visibility::to_cloud_reference(given, "", reference);
+  if (request.file.empty()) return given;
+  const std::vector<visibility::GivenObserver> read = visibility::read_observers(request.file, reference);
   given.insert(given.end(), read.begin(), read.end());
   return given;
 }
@@ -94,100 +95,100 @@ void check_far_observers(std::span<const visibility::GivenObserver> given, const
   }
 }
 
-/// Prints where the first observers are, and what is below and above them.
-void print_positions(std::span<const visibility::Observer> observers,
-                     const visibility::Occluders& occluders) {
+/// Notes where the first observers are, and what is below and above them.
+void note_positions(std::span<const visibility::Observer> observers, const visibility::Occluders& occluders,
+                    Listener& listener) {
   const auto distance = [](const std::optional<double>& length, const char* with, const char* without) {
     return length ? fmt::format("{:.2f} {}", *length, with) : std::string(without);
   };
   for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
     const visibility::Clearance clearance = visibility::clearance_of(occluders, one.position);
-    say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}; {}, {}", one.name, one.position.x,
-                         one.position.y, one.position.z,
-                         distance(clearance.below, "above what is below it", "nothing below it"),
-                         distance(clearance.above, "below what is overhead", "nothing overhead")));
+    listener.note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}; {}, {}", one.name, one.position.x,
+                              one.position.y, one.position.z,
+                              distance(clearance.below, "above what is below it", "nothing below it"),
+                              distance(clearance.above, "below what is overhead", "nothing overhead")));
   }
   if (observers.size() > k_most_lines)
-    say_note(fmt::format("and {} more observers", observers.size() - k_most_lines));
+    listener.note(fmt::format("and {} more observers", observers.size() - k_most_lines));
 }
 
 }  // namespace
 
-void add_observer_positions(const Options& command, ObserverOptions& options) {
-  const Options group = command.group(k_observer_group);
+void add_observer_positions(const Fields& fields, ObserverRequest& request) {
+  const Fields group = fields.group(k_observer_group);
   group.values(
       "--observer", "X,Y[,Z]",
       "position of the eye, or with --observer-height the ground position below it; without Z the ground is "
       "found in the cloud; repeatable",
-      [&options](const std::string& text) { options.positions.push_back(visibility::parse_observer(text)); });
+      [&request](const std::string& text) { request.positions.push_back(visibility::parse_observer(text)); });
   group.file("--observers", "FILE",
              "observers from a file: CSV with the header "
              "x,y[,z][,name][,height][,azimuth_min][,azimuth_max][,elevation_min][,elevation_max][,max_"
              "distance], or points of GeoJSON, GeoPackage or Shapefile with attributes of these names",
-             options.file);
+             request.file);
   group.value("--observers-crs", "SYSTEM|cloud",
               "reference system of the observers, such as EPSG:4326 (x is east), overriding their file; "
               "cloud: the cloud's (default: the file's, for CSV and --observer the cloud's)",
-              [&options](const std::string& text) {
+              [&request](const std::string& text) {
                 if (text.empty()) throw UsageError("missing value; expected a reference system");
-                options.reference = text;
+                request.reference = text;
               });
   group.flag("--anywhere", "accept observers far outside of the cloud, which are otherwise errors",
-             options.anywhere);
+             request.anywhere);
   group.number("--observer-grid", "LENGTH",
                "an observer on the ground in every square cell of this width over the cloud's extent",
-               options.grid, 1e-3, 1e9);
+               request.grid, 1e-3, 1e9);
   group.number(
       "--observer-height,--oz,--observer_elevation", "LENGTH",
       "height of the eye above the foot (default: 0 for observers with a z, 2 for those on the ground)",
-      options.defaults.height, 0.0, 1e6);
+      request.defaults.height, 0.0, 1e6);
 }
 
-void add_observer_options(const Options& command, ObserverOptions& options) {
-  add_observer_positions(command, options);
-  add_view(command.group(k_observer_group), options.defaults);
+void add_observer_fields(const Fields& fields, ObserverRequest& request) {
+  add_observer_positions(fields, request);
+  add_view(fields.group(k_observer_group), request.defaults);
 }
 
-void add_target_height(const Options& command, std::optional<double>& height) {
-  command.number("--target-height,--tz,--target_elevation", "LENGTH",
-                 "height of the target above the ground (default: 0)", height, 0.0, 1e6);
+void add_target_height(const Fields& fields, std::optional<double>& height) {
+  fields.number("--target-height,--tz,--target_elevation", "LENGTH",
+                "height of the target above the ground (default: 0)", height, 0.0, 1e6);
 }
 
-void check_given(const ObserverOptions& options) {
-  if (options.positions.empty() && options.file.empty() && !options.grid)
+void check_given(const ObserverRequest& request) {
+  if (request.positions.empty() && request.file.empty() && !request.grid)
     throw input_error("missing observers", "--observer, --observers or --observer-grid");
-  if (!options.file.empty()) InputFile{options.file};
+  if (!request.file.empty()) InputFile{request.file};
 }
 
-std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
-                                                 Verbosity verbosity,
-                                                 const visibility::GroundHeight& ground) {
-  check_given(options);
-  std::vector<visibility::GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
+std::vector<visibility::Observer> load_observers(const ObserverRequest& request, const VisibilityCloud& cloud,
+                                                 Listener& listener, const visibility::GroundHeight& ground) {
+  check_given(request);
+  std::vector<visibility::GivenObserver> given = read_given(request, cloud.cloud.cloud.crs);
   const bool needs_ground =
-      options.grid || std::ranges::any_of(given, [](const visibility::GivenObserver& one) { return !one.z; });
-  if (!options.anywhere) check_far_observers(given, cloud.area());
+      request.grid || std::ranges::any_of(given, [](const visibility::GivenObserver& one) { return !one.z; });
+  if (!request.anywhere) check_far_observers(given, cloud.area());
   std::optional<visibility::Ground> own_ground;
-  if (needs_ground && !ground) own_ground = find_ground(cloud, {}, verbosity);
+  if (needs_ground && !ground) own_ground = find_ground(cloud, {}, listener);
   const visibility::GroundHeight height_at =
       ground ? ground : [&](const glm::dvec2& position) { return own_ground->at(position); };
-  if (options.grid) {
-    const auto grid = with_progress("placing observers", "cells", verbosity, [&](const Progress& progress) {
-      return visibility::observer_grid(cloud.area(), *options.grid, height_at, progress);
+  if (request.grid) {
+    const auto grid = in_stage(listener, "placing observers", "cells", [&](const Progress& progress) {
+      return visibility::observer_grid(cloud.area(), *request.grid, height_at, progress);
     });
     given.insert(given.end(), grid.begin(), grid.end());
   }
-  return visibility::place_observers(given, options.defaults, height_at);
+  return visibility::place_observers(given, request.defaults, height_at);
 }
 
 void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
-                          Verbosity verbosity) {
-  if (verbosity == Verbosity::quiet) return;
-  if (!observers.empty() && observers.front().is_placed) print_positions(observers, *cloud.occluders);
+                          Listener& listener) {
+  if (!listener.is_listening()) return;
+  if (!observers.empty() && observers.front().is_placed)
+    note_positions(observers, *cloud.occluders, listener);
   const std::vector<std::string> remarks = visibility::observer_remarks(*cloud.occluders, observers);
-  for (std::size_t i = 0; i < std::min(remarks.size(), k_most_lines); ++i) say_warning(remarks[i]);
+  for (std::size_t i = 0; i < std::min(remarks.size(), k_most_lines); ++i) listener.warn(remarks[i]);
   if (remarks.size() > k_most_lines)
-    say_warning(fmt::format("and {} more observers with warnings", remarks.size() - k_most_lines));
+    listener.warn(fmt::format("and {} more observers with warnings", remarks.size() - k_most_lines));
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "tools/console.h"
-#include "tools/options.h"
-#include "tools/visibility/blocking_cloud.h"
+#include "jobs/fields.h"
+#include "jobs/listener.h"
+#include "jobs/visibility/visibility_cloud.h"
 #include "visibility/observers.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
-/// The options of observers.
-struct ObserverOptions {
+/// The observers of a request.
+struct ObserverRequest {
   std::vector<visibility::GivenObserver> positions;  ///< --observer
   std::filesystem::path file;                        ///< --observers; empty: none
   std::string reference;                             ///< --observers-crs, as ObserverReference::given
@@ -25,33 +25,33 @@ struct ObserverOptions {
   visibility::ObserverDefaults defaults;             ///< for what an observer's row does not state
 };
 
-/// Declares the options in a group of their own; they fill `options`.
-void add_observer_options(const Options& command, ObserverOptions& options);
+/// Declares the fields in a group of their own; they fill `request`.
+void add_observer_fields(const Fields& fields, ObserverRequest& request);
 
-/// The options of positions alone: no fields of view, which do not apply to what shines from all sides.
-void add_observer_positions(const Options& command, ObserverOptions& options);
+/// The fields of positions alone: no fields of view, which do not apply to what shines from all sides.
+void add_observer_positions(const Fields& fields, ObserverRequest& request);
 
-/// The heading of options of observers.
+/// The heading of fields of observers.
 inline constexpr const char* k_observer_group = "Observers";
 
 /// --target-height LENGTH: how far above its cell or point a target is examined. At least 0.
-void add_target_height(const Options& command, std::optional<double>& height);
+void add_target_height(const Fields& fields, std::optional<double>& height);
 
-/// Checks the options before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
-void check_given(const ObserverOptions& options);
+/// Checks the fields before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
+void check_given(const ObserverRequest& request);
 
 /// Reads the observers, in the cloud's reference system, and computes their positions, which
-/// say_observer_remarks() prints once occluders are measured. Those of the command line come first, then the
+/// say_observer_remarks() notes once occluders are measured. Those that were given come first, then the
 /// file's, then the grid's. `ground` gives the height of observers without z; if it is empty, the cloud's
 /// ground is computed if needed. Errors: no observers; those of read_observers(), observer_grid(),
 /// place_observers() and make_ground().
-std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
-                                                 Verbosity verbosity,
+std::vector<visibility::Observer> load_observers(const ObserverRequest& request, const VisibilityCloud& cloud,
+                                                 Listener& listener,
                                                  const visibility::GroundHeight& ground = {});
 
-/// Prints where the observers are, with clearance_of() of visibility/observers.h, and warnings about them, of
+/// Notes where the observers are, with clearance_of() of visibility/observers.h, and warns about them, of
 /// observer_remarks(). Requires measured occluders.
 void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
-                          Verbosity verbosity);
+                          Listener& listener);
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -11,15 +11,17 @@
 #include <string>
 #include <vector>
 
+#include "jobs/cloud_request.h"
+#include "jobs/fields.h"
+#include "jobs/listener.h"
 #include "mesh/triangle_tree.h"
 #include "octree/index_file/index_file.h"
-#include "tools/command.h"
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
-/// The options of what blocks sight.
+/// What blocks sight.
 struct OccluderRequest {
   visibility::OccluderOptions options;        ///< without mesh and terrain, which are still to be read
   std::vector<std::filesystem::path> meshes;  ///< --mesh
@@ -28,13 +30,13 @@ struct OccluderRequest {
   std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
 };
 
-/// Declares the options in a group of their own; they fill `request`.
-void add_occluder_options(const Options& command, OccluderRequest& request);
+/// Declares the fields in a group of their own; they fill `request`.
+void add_occluder_fields(const Fields& fields, OccluderRequest& request);
 
 /// Declares --ignore-classes, by default noise. `effect`: what points of these classes do, as help.
-void add_ignored_classes(const Options& command, const std::string& effect, std::bitset<256>& classes);
+void add_ignored_classes(const Fields& fields, const std::string& effect, std::bitset<256>& classes);
 
-/// Options of all commands of `alidade visibility`.
+/// What all jobs on visibility are requested with.
 struct VisibilityRequest : CloudRequest {
   OccluderRequest occluders;
   std::filesystem::path output;
@@ -75,33 +77,34 @@ struct VisibilityCloud {
   }
 };
 
-/// What a command accepts as its cloud.
+/// What a job accepts as its cloud.
 enum class AcceptedInput {
   points,
   points_or_raster,  ///< an elevation raster instead of points, too: the cloud is empty then
 };
 
-/// Loads the meshes, the terrain, then cloud files with their classes and `attributes`, or an index file, and
-/// shows progress. Does not measure occluders. Errors: as read_mesh(); too many triangles in all meshes; as
-/// geo::read_heights(); a raster without a patch of surface, in another reference system than the cloud,
+/// Loads the meshes, the terrain, then cloud files with their classes and `attributes`, or an index file.
+/// Does not measure occluders. Errors: as read_mesh(); too many triangles in all meshes; as geo::read_heights(); a
+/// raster without a patch of surface, in another reference system than the cloud,
 /// instead of points that are required, or beside another one; as load_indexed_cloud(); no points;
 /// coordinates in degrees.
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
-                                                  AcceptedInput accepted = AcceptedInput::points);
+                                                  AcceptedInput accepted, Listener& listener);
 
 /// The occluders among points; points of ignored classes, `classes` being those of all points, block nothing.
-/// Measures the spacings and surfaces that the octree lacks, and shows progress. Errors: as Occluders.
+/// Measures the spacings and surfaces that the octree lacks. The listener must live as long as the result.
+/// Errors: as Occluders.
 visibility::Occluders measured_occluders(const Octree& octree, std::span<const std::uint8_t> classes,
                                          const std::bitset<256>& ignored, visibility::OccluderOptions options,
-                                         Verbosity verbosity);
+                                         Listener& listener);
 
-/// measured_occluders() of a cloud; prints what blocks sight. May take long: check all else before. Errors:
-/// as Occluders.
-void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);
+/// measured_occluders() of a cloud; notes what blocks sight. The listener must live as long as the cloud. May
+/// take long: check all else before. Errors: as Occluders.
+void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Listener& listener);
 
-/// make_ground() below a cloud, with its progress shown, raised to the terrain; the terrain's without points.
+/// make_ground() below a cloud, as one stage, raised to the terrain; the terrain's without points.
 /// Occluders need not be measured.
 visibility::Ground find_ground(const VisibilityCloud& cloud, visibility::GroundOptions options,
-                               Verbosity verbosity);
+                               Listener& listener);
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/visibility/blocking_cloud.h"
+#include "jobs/visibility/visibility_cloud.h"
 
 #include <fmt/format.h>
 
@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "base/words.h"
+#include "cloud/input_view.h"
 #include "geo/raster_file.h"
+#include "jobs/load_cloud.h"
+#include "jobs/mesh_files.h"
 #include "octree/point_surface.h"
-#include "tools/cloud/load_cloud.h"
-#include "tools/cloud/mesh_files.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 /// Appends a mesh, without its colours, to `all`. Errors: too many vertices or triangles, naming its file.
@@ -31,19 +32,19 @@ void join(TriangleMesh mesh, const std::filesystem::path& file, TriangleMesh& al
   for (const auto& [a, b, c] : mesh.triangles) all.triangles.push_back({first + a, first + b, first + c});
 }
 
-BlockingMesh load_blocking_mesh(const std::vector<std::filesystem::path>& files, Verbosity verbosity) {
+BlockingMesh load_blocking_mesh(const std::vector<std::filesystem::path>& files, Listener& listener) {
   if (files.empty()) return {};
   TriangleMesh all;
-  for (const std::filesystem::path& file : files) join(read_mesh_shown(file, {}, verbosity), file, all);
+  for (const std::filesystem::path& file : files) join(load_mesh(file, {}, listener), file, all);
   const std::uint64_t sum = checksum(all);
-  return {build_mesh_shown(verbosity,
-                           [&](const Progress& progress) {
-                             return std::make_shared<const TriangleTree>(std::move(all), progress);
-                           }),
+  return {sort_triangles(listener,
+                         [&](const Progress& progress) {
+                           return std::make_shared<const TriangleTree>(std::move(all), progress);
+                         }),
           sum};
 }
 
-BlockingTerrain terrain_of(geo::HeightRaster raster, const std::filesystem::path& file, Verbosity verbosity) {
+BlockingTerrain terrain_of(geo::HeightRaster raster, const std::filesystem::path& file, Listener& listener) {
   const geo::RasterGrid grid = raster.heights.grid;
   const double layout[] = {grid.north_west.x, grid.north_west.y, grid.cell_size,
                            static_cast<double>(grid.columns), static_cast<double>(grid.rows)};
@@ -54,17 +55,17 @@ BlockingTerrain terrain_of(geo::HeightRaster raster, const std::filesystem::path
     throw file_error(file, "the raster has no surface", "heights in 2 x 2 neighbouring cells",
                      fmt::format("{} x {} cells", grid.columns, grid.rows));
   }
-  say_note(verbosity, fmt::format("terrain of {} x {} cells of {:g}, {:g} to {:g} high, from {}",
-                                  grid.columns, grid.rows, grid.cell_size, surface->bounds().min.z,
-                                  surface->bounds().max.z, file.string()));
+  listener.note(fmt::format("terrain of {} x {} cells of {:g}, {:g} to {:g} high, from {}", grid.columns,
+                            grid.rows, grid.cell_size, surface->bounds().min.z, surface->bounds().max.z,
+                            file.string()));
   return {std::move(surface), checksum(std::as_bytes(std::span(sums)))};
 }
 
-geo::HeightRaster read_heights_shown(const std::filesystem::path& file, Verbosity verbosity) {
-  geo::HeightRaster raster =
-      with_progress("reading raster", "cells", verbosity,
-                    [&](const Progress& progress) { return geo::read_heights(file, progress); });
-  if (!raster.heights_note.empty()) say_warnings(verbosity, {file.string() + ": " + raster.heights_note});
+geo::HeightRaster read_heights(const std::filesystem::path& file, Listener& listener) {
+  geo::HeightRaster raster = in_stage(listener, "reading raster", "cells", [&](const Progress& progress) {
+    return geo::read_heights(file, progress);
+  });
+  if (!raster.heights_note.empty()) listener.warn(file.string() + ": " + raster.heights_note);
   return raster;
 }
 
@@ -81,7 +82,8 @@ bool is_raster_alone(const CloudInputs& files) {
 }
 
 /// Loads a raster as terrain, without points.
-void load_raster_alone(const VisibilityRequest& request, AcceptedInput accepted, VisibilityCloud& loaded) {
+void load_raster_alone(const VisibilityRequest& request, AcceptedInput accepted, VisibilityCloud& loaded,
+                       Listener& listener) {
   const CloudInput& input = request.files.inputs.front();
   const std::filesystem::path& file = input.name;
   if (input.is_changed() ||
@@ -96,35 +98,35 @@ void load_raster_alone(const VisibilityRequest& request, AcceptedInput accepted,
     throw file_error(request.occluders.terrain, "a second raster beside " + file.string(),
                      "one raster: join several with gdalbuildvrt");
   }
-  geo::HeightRaster raster = read_heights_shown(file, request.verbosity);
+  geo::HeightRaster raster = read_heights(file, listener);
   PointCloud none;
   none.crs = raster.crs;
-  loaded.terrain = terrain_of(std::move(raster), file, request.verbosity);
+  loaded.terrain = terrain_of(std::move(raster), file, listener);
   loaded.cloud.octree = build(none);
   loaded.cloud.cloud = std::move(none);
 }
 
 /// Errors: both systems are known and differ.
 void check_same_system(const Crs& terrain, const std::filesystem::path& file, const Crs& cloud,
-                       Verbosity verbosity) {
+                       Listener& listener) {
   if (terrain.empty() || cloud.empty()) return;
   const CrsAgreement agreement = compare_crs(terrain, cloud);
   if (agreement == CrsAgreement::different)
     throw file_error(file, "the raster is in another reference system than the cloud",
                      crs_name(cloud) + ": reproject the raster with gdalwarp -t_srs", crs_name(terrain));
   if (agreement == CrsAgreement::unknown)
-    say_warnings(verbosity, {fmt::format("{} is in {}, the cloud in {}; both are assumed to be the same",
-                                         file.string(), crs_name(terrain), crs_name(cloud))});
+    listener.warn(fmt::format("{} is in {}, the cloud in {}; both are assumed to be the same", file.string(),
+                              crs_name(terrain), crs_name(cloud)));
 }
 
 /// The octree with all that occluders would measure themselves, in steps that show their progress.
-Octree measured(Octree octree, const visibility::OccluderOptions& options, Verbosity verbosity) {
+Octree measured(Octree octree, const visibility::OccluderOptions& options, Listener& listener) {
   if (octree.size() == 0) return octree;
   const bool needs_surfaces = options.shape != visibility::OccluderShape::sphere;
   const bool needs_spacings = needs_surfaces || !options.radius;
   if (needs_spacings && octree.view().spacing_neighbours != k_surface_neighbours)
-    octree = with_spacings_shown(octree, k_surface_neighbours, verbosity);
-  if (needs_surfaces && octree.view().surfaces == nullptr) octree = with_surfaces_shown(octree, verbosity);
+    octree = with_spacings(octree, k_surface_neighbours, listener);
+  if (needs_surfaces && octree.view().surfaces == nullptr) octree = with_surfaces(octree, listener);
   return octree;
 }
 
@@ -162,8 +164,8 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
 
 }  // namespace
 
-void add_occluder_options(const Options& command, OccluderRequest& request) {
-  const Options group = command.group("What blocks");
+void add_occluder_fields(const Fields& fields, OccluderRequest& request) {
+  const Fields group = fields.group("What blocks");
   group.choice("--occluder",
                "what blocks (default auto): a disc on the surface of each point, a sphere, or discs where "
                "there is a surface and spheres elsewhere (foliage, wires)",
@@ -171,7 +173,7 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
                {{"auto", visibility::OccluderShape::automatic},
                 {"disc", visibility::OccluderShape::disc},
                 {"sphere", visibility::OccluderShape::sphere}});
-  const Option radius = group.number(
+  const Field radius = group.number(
       "--radius", "R",
       "of discs and spheres, in metres (default: per point, from the distance to its neighbours)",
       request.options.radius, 1e-6, 1e6);
@@ -182,7 +184,7 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
   group.count("--transparency", "K",
               "block a line at this number of separate crossings (default: 1); more looks through foliage",
               request.options.transparency, 1, 1000);
-  add_mesh_option(group, "that block at their first crossing", request.meshes);
+  add_mesh_field(group, "that block at their first crossing", request.meshes);
   group.file(
       "--terrain", "FILE",
       "elevation raster (GeoTIFF or another format of GDAL) in the reference system of the cloud, whose "
@@ -191,8 +193,8 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
   add_ignored_classes(group, "do not block", request.ignored_classes);
 }
 
-void add_ignored_classes(const Options& command, const std::string& effect, std::bitset<256>& classes) {
-  command.value(
+void add_ignored_classes(const Fields& fields, const std::string& effect, std::bitset<256>& classes) {
+  fields.value(
       "--ignore-classes", "LIST|none", "points of these classes " + effect + " (default: 7,18, noise)",
       classes,
       [](const std::string& text) { return text == "none" ? std::bitset<256>() : parse_classes(text); });
@@ -207,56 +209,58 @@ std::vector<std::filesystem::path> VisibilityRequest::inputs(
 }
 
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
-                                                  AcceptedInput accepted) {
+                                                  AcceptedInput accepted, Listener& listener) {
   auto loaded = std::make_unique<VisibilityCloud>();
-  loaded->mesh = load_blocking_mesh(request.occluders.meshes, request.verbosity);
+  loaded->mesh = load_blocking_mesh(request.occluders.meshes, listener);
   if (is_raster_alone(request.files)) {
-    load_raster_alone(request, accepted, *loaded);
+    load_raster_alone(request, accepted, *loaded, listener);
     loaded->columns = loaded->cloud.columns();
     return loaded;
   }
   const std::filesystem::path& terrain = request.occluders.terrain;
   Crs terrain_crs;
   if (!terrain.empty()) {
-    geo::HeightRaster raster = read_heights_shown(terrain, request.verbosity);
+    geo::HeightRaster raster = read_heights(terrain, listener);
     terrain_crs = raster.crs;
-    loaded->terrain = terrain_of(std::move(raster), terrain, request.verbosity);
+    loaded->terrain = terrain_of(std::move(raster), terrain, listener);
   }
-  loaded->cloud = load_shown(request, {.read = {.attributes = attributes | Attribute::classification},
-                                       .scratch = scratch_beside(request.output, request.memory)});
+  loaded->cloud = load_cloud(request.files, request.partial,
+                             {.read = {.attributes = attributes | Attribute::classification},
+                              .scratch = scratch_beside(request.output, request.memory)},
+                             listener);
   if (loaded->cloud.octree.size() == 0)
     throw file_error(request.files.first_name(), "the cloud has no points");
   check_map_unit(loaded->cloud.cloud.crs, request.files);
-  if (!terrain.empty()) check_same_system(terrain_crs, terrain, loaded->cloud.cloud.crs, request.verbosity);
+  if (!terrain.empty()) check_same_system(terrain_crs, terrain, loaded->cloud.cloud.crs, listener);
   loaded->columns = loaded->cloud.columns();
   return loaded;
 }
 
 visibility::Occluders measured_occluders(const Octree& octree, std::span<const std::uint8_t> classes,
                                          const std::bitset<256>& ignored, visibility::OccluderOptions options,
-                                         Verbosity verbosity) {
-  options.is_given_up = interrupted;
+                                         Listener& listener) {
+  options.is_given_up = [&listener] { return listener.stops(); };
   // Testing the class of every point takes time, so there is no test if no point has such a class.
   if (std::ranges::any_of(classes, [&](std::uint8_t kind) { return ignored.test(kind); }))
     options.counts = [classes, ignored](std::uint64_t point_id) { return !ignored.test(classes[point_id]); };
-  return {measured(octree, options, verbosity), options};
+  return {measured(octree, options, listener), options};
 }
 
-void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity) {
+void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Listener& listener) {
   visibility::OccluderOptions options = request.options;
   options.mesh = cloud.mesh.tree;
   options.terrain = cloud.terrain.surface;
   cloud.occluders = measured_occluders(cloud.cloud.octree, cloud.columns.classifications,
-                                       request.ignored_classes, std::move(options), verbosity);
+                                       request.ignored_classes, std::move(options), listener);
   cloud.what_blocks = description_of(*cloud.occluders, request);
-  say_note(verbosity, cloud.what_blocks);
+  listener.note(cloud.what_blocks);
 }
 
 visibility::Ground find_ground(const VisibilityCloud& cloud, visibility::GroundOptions options,
-                               Verbosity verbosity) {
+                               Listener& listener) {
   if (!cloud.has_points()) return visibility::Ground(*cloud.terrain.surface);
   visibility::Ground ground =
-      with_progress("computing the ground", "points", verbosity, [&](const Progress& progress) {
+      in_stage(listener, "computing the ground", "points", [&](const Progress& progress) {
         options.progress = progress;
         return visibility::make_ground(cloud.octree(), cloud.columns.classifications, options);
       });
@@ -265,4 +269,4 @@ visibility::Ground find_ground(const VisibilityCloud& cloud, visibility::GroundO
   return ground;
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-#include "tools/visibility/long_run.h"
+#include "jobs/visibility/long_run.h"
 
 #include <fmt/format.h>
 #include <array>
 
 #include "base/output_file.h"
-#include "tools/command.h"
+#include "jobs/outputs.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 /// Points and triangles are in the fingerprint, not the names of their files; lists, curve, preview and
 /// footprints are outputs, and colours of photos follow from what is seen.
-constexpr std::array<std::string_view, 10> k_silent_options_of_visibility = {
+constexpr std::array<std::string_view, 10> k_silent_fields = {
     "cloud",          "lists",  "curve",    "preview", "footprints",
     "footprint-cell", "photos", "colorize", "mesh",    "terrain"};
 
@@ -81,10 +81,10 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
 }
 
 Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud) {
-  Fingerprint fingerprint{{"command", request.command->name()},
+  Fingerprint fingerprint{{"command", request.fields->name()},
                           {"version of answers", std::to_string(visibility::k_answers_version)}};
-  for (const auto& [name, words] : request.command->given()) {
-    if (is_silent(name, k_silent_options_of_visibility)) continue;
+  for (const auto& [name, words] : request.fields->given()) {
+    if (is_silent(name, k_silent_fields)) continue;
     fingerprint.push_back({"--" + name, joined(words)});
   }
   const Bounds& box = cloud.cloud.octree.bounds();
@@ -128,35 +128,35 @@ void add_to_fingerprint(const std::string& name, std::span<const double> numbers
 }
 
 LongRun::LongRun(const CheckpointRequest& request, const std::function<Fingerprint()>& fingerprint,
-                 Verbosity verbosity)
-    : verbosity_(verbosity) {
+                 Listener& listener)
+    : listener_(listener) {
   if (request.file.empty()) return;
   const std::string name = request.file.string();
   PartsOptions options{.file = request.file,
                        .interval = request.interval,
                        .resume = request.resume,
-                       .failed = checkpoint_warning()};
+                       .failed = checkpoint_warning(listener)};
   parts_.emplace(std::move(options), fingerprint());
-  if (!request.resume || verbosity == Verbosity::quiet) return;
+  if (!request.resume) return;
   if (parts_->is_kept()) {
-    say_note(fmt::format("resuming from {}: {:.0f} % of the work is done", name,
-                         100.0 * static_cast<double>(parts_->finished()) /
-                             static_cast<double>(std::max<std::uint64_t>(parts_->count(), 1))));
+    listener.note(fmt::format("resuming from {}: {:.0f} % of the work is done", name,
+                              100.0 * static_cast<double>(parts_->finished()) /
+                                  static_cast<double>(std::max<std::uint64_t>(parts_->count(), 1))));
   } else {
-    say_note(fmt::format("no checkpoint {}: starting from the beginning", name));
+    listener.note(fmt::format("no checkpoint {}: starting from the beginning", name));
   }
 }
 
 LongRun::~LongRun() {
-  if (!parts_ || !parts_->is_kept() || verbosity_ == Verbosity::quiet) return;
+  if (!parts_ || !parts_->is_kept()) return;
   parts_->flush();
   if (parts_->finished() == 0) return;
-  say_how_to_resume(verbosity_, parts_->name());
+  say_how_to_resume(listener_, parts_->name());
 }
 
-Progress LongRun::progress(ProgressLine& line) {
-  return [this, &line, report = line.callback()](std::uint64_t done, std::uint64_t total) {
-    if (parts_ && !parts_->has_begun()) line.skip(done);
+Progress LongRun::progress(Listener::Stage& stage) {
+  return [this, &stage, report = stage.callback()](std::uint64_t done, std::uint64_t total) {
+    if (parts_ && !parts_->has_begun()) stage.skip(done);
     return report(done, total);
   };
 }
@@ -165,4 +165,4 @@ void LongRun::finish() {
   if (parts_) parts_->remove();
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

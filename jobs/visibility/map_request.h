@@ -10,11 +10,10 @@
 
 #include "cloud/crs.h"
 #include "geo/raster.h"
-#include "tools/command.h"
-#include "tools/visibility/blocking_cloud.h"
+#include "jobs/visibility/visibility_cloud.h"
 #include "visibility/raster/ground.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// The unit of x and y of a cloud.
 struct CloudUnit {
@@ -28,8 +27,8 @@ CloudUnit cloud_unit(const Crs& crs);
 
 // What all maps of the ground have in common: viewsheds, maps of the sky, maps of the sun.
 
-/// Options of all maps.
-struct MapOptions {
+/// What all maps are requested with.
+struct MapRequest {
   std::optional<double> resolution, target_height;
   std::optional<Bounds> area;
   std::optional<visibility::GroundSource> ground_source;
@@ -39,28 +38,28 @@ struct MapOptions {
 
 constexpr const char* k_map_group = "Map";
 
-/// Declares the options in groups of their own; they fill `map`. The target height is add_target_height()'s.
-void add_map_options(const Options& command, MapOptions& map);
+/// Declares the fields in groups of their own; they fill `map`. The target height is add_target_height()'s.
+void add_map_fields(const Fields& fields, MapRequest& map);
 
-/// Name of the first of these options that was given, as "--extent"; empty: none.
-std::string given_map_option(const MapOptions& map);
+/// Name of the first of these fields that was given, as "--extent"; empty: none.
+std::string given_map_field(const MapRequest& map);
 
 /// Lets a map fail before the work. Errors: a preview that is not a PNG, exists and may not be replaced, or
-/// is one of the other files; the module that writes maps and images is not installed.
-void check_map_writing(const MapOptions& map, bool overwrite,
+/// is one of the other files.
+void check_map_writing(const MapRequest& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files);
 
-/// The ground below the cloud; shows progress and prints how the ground was found.
-visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
+/// The ground below the cloud; notes how the ground was found.
+visibility::Ground find_map_ground(const MapRequest& map, const VisibilityCloud& cloud, Listener& listener);
 
 /// The requested part of the cloud or terrain; without --extent the bounds of the points if there are any.
 /// Errors: --extent contains nothing of it.
-Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
+Bounds map_area(const MapRequest& map, const VisibilityCloud& cloud);
 
-/// The cells over an area, which it prints: by default of usual_resolution(), not finer than the ground, or
+/// The cells over an area, which it notes: by default of usual_resolution(), not finer than the ground, or
 /// the cells of a raster. Errors: too many cells, or too many for the memory with so many bands.
-geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibility::Ground& ground,
-                         int bands, const std::string& unit, Verbosity verbosity);
+geo::RasterGrid map_grid(const MapRequest& map, const Bounds& area, const visibility::Ground& ground,
+                         int bands, const std::string& unit, Listener& listener);
 
 /// Keys and texts of a map's file.
 using MapMetadata = std::vector<std::pair<std::string, std::string>>;
@@ -72,4 +71,4 @@ MapMetadata map_metadata(const VisibilityRequest& request, const VisibilityCloud
 /// The nodata value of float bands.
 constexpr double k_no_float = -9999.0;
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

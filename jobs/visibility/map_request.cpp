@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/visibility/map_options.h"
+#include "jobs/visibility/map_request.h"
 
 #include <fmt/format.h>
 #include <cmath>
@@ -9,10 +9,10 @@
 #include "geo/earth.h"
 #include "geo/gdal_library.h"
 #include "image/font.h"
-#include "tools/image_module.h"
+#include "jobs/outputs.h"
 #include "visibility/raster/map_targets.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 /// The name of a unit; international and survey feet have the same name.
@@ -32,8 +32,8 @@ Bounds parse_area(const std::string& text) {
   return area;
 }
 
-void add_ground(const Options& command, MapOptions& map) {
-  const Options group = command.group("Ground");
+void add_ground(const Fields& fields, MapRequest& map) {
+  const Fields group = fields.group("Ground");
   group.choice(
       "--ground",
       "ground: points of the classes 2, 9 and 11 (ground, water, road surface), the lowest points, or "
@@ -82,8 +82,8 @@ CloudUnit cloud_unit(const Crs& crs) {
   return unit;
 }
 
-void add_map_options(const Options& command, MapOptions& map) {
-  const Options group = command.group(k_map_group);
+void add_map_fields(const Fields& fields, MapRequest& map) {
+  const Fields group = fields.group(k_map_group);
   group.file("--preview", "FILE.png", "also write an image with relief, marks, scale bar and legend",
              map.preview);
   group.number("--resolution", "LENGTH",
@@ -92,10 +92,10 @@ void add_map_options(const Options& command, MapOptions& map) {
                map.resolution, 1e-6, 1e9);
   group.value("--extent", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)", map.area,
               parse_area);
-  add_ground(command, map);
+  add_ground(fields, map);
 }
 
-std::string given_map_option(const MapOptions& map) {
+std::string given_map_field(const MapRequest& map) {
   if (!map.preview.empty()) return "--preview";
   if (map.resolution) return "--resolution";
   if (map.area) return "--extent";
@@ -105,18 +105,17 @@ std::string given_map_option(const MapOptions& map) {
   return map.ground_reach ? "--ground-reach" : "";
 }
 
-void check_map_writing(const MapOptions& map, bool overwrite,
+void check_map_writing(const MapRequest& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files) {
   geo::load_gdal();
   if (map.preview.empty()) return;
-  image_module();
   if (file_extension(map.preview) != ".png")
     throw file_error(map.preview, "unknown output format", "the extension .png");
   check_writable(map.preview, overwrite, other_files);
   image::find_font();
 }
 
-visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity) {
+visibility::Ground find_map_ground(const MapRequest& map, const VisibilityCloud& cloud, Listener& listener) {
   if (!cloud.has_points() && (map.ground_source || map.ground_cell || map.ground_reach)) {
     throw input_error("--ground, --ground-cell and --ground-reach do not apply to a raster",
                       "none of them: the ground is the heights of the raster");
@@ -126,14 +125,13 @@ visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud&
   options.cell_size = map.ground_cell;
   options.reach = map.ground_reach.value_or(options.reach);
   options.scanned_reach = map.ground_reach;
-  visibility::Ground ground = find_ground(cloud, options, verbosity);
+  visibility::Ground ground = find_ground(cloud, options, listener);
   const bool is_raised = cloud.has_points() && cloud.terrain.surface != nullptr;
-  say_note(verbosity,
-           "ground: " + ground_text(ground) + (is_raised ? "; the terrain where it is higher" : ""));
+  listener.note("ground: " + ground_text(ground) + (is_raised ? "; the terrain where it is higher" : ""));
   return ground;
 }
 
-Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {
+Bounds map_area(const MapRequest& map, const VisibilityCloud& cloud) {
   Bounds all = cloud.area();
   if (!map.area) return all;
   if (cloud.terrain.surface != nullptr) all.grow(geo::area_of(cloud.terrain.surface->heights().grid));
@@ -145,8 +143,8 @@ Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {
   return area;
 }
 
-geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibility::Ground& ground,
-                         int bands, const std::string& unit, Verbosity verbosity) {
+geo::RasterGrid map_grid(const MapRequest& map, const Bounds& area, const visibility::Ground& ground,
+                         int bands, const std::string& unit, Listener& listener) {
   const geo::RasterGrid& own = ground.heights().grid;
   const bool is_raster = ground.source() == visibility::GroundSource::terrain;
   const geo::RasterGrid grid =
@@ -154,8 +152,8 @@ geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibi
           ? geo::part_over(own, area)
           : geo::grid_over(area, map.resolution.value_or(visibility::usual_resolution(area, own.cell_size)));
   geo::check_map_memory(grid, bands);
-  say_note(verbosity, fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
-                                  unit.empty() ? "" : " ", unit));
+  listener.note(fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
+                            unit.empty() ? "" : " ", unit));
   return grid;
 }
 
@@ -166,7 +164,7 @@ MapMetadata map_metadata(const VisibilityRequest& request, const VisibilityCloud
   std::string names;
   for (const std::filesystem::path& file : request.files.names())
     names += (names.empty() ? "" : "\n") + kept_name(file);
-  return {{"alidade_command", metadata_command(request.words)},
+  return {{"alidade_command", request.command},
           {"alidade_cloud_files", names},
           {"alidade_ground", ground_text(ground)},
           {"alidade_what_blocks", cloud.what_blocks},
@@ -175,4 +173,4 @@ MapMetadata map_metadata(const VisibilityRequest& request, const VisibilityCloud
           {"alidade_transparency", std::to_string(blocks.transparency)}};
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

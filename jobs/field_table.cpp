@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "jobs/field_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "base/words.h"
+
+namespace alidade::jobs {
+namespace {
+
+/// The longest name, which says most.
+std::string long_name(const FieldEntry& field) {
+  return plain_names(field).back();
+}
+
+bool takes_many(const FieldEntry& field) {
+  return field.form == FieldForm::repeated || field.form == FieldForm::words;
+}
+
+}  // namespace
+
+std::vector<std::string> plain_names(const FieldEntry& field) {
+  std::vector<std::string> names = split_list(field.names);
+  for (std::string& name : names) name.erase(0, std::min(name.find_first_not_of('-'), name.size()));
+  return names;
+}
+
+std::size_t FieldTable::declare(FieldEntry entry) {
+  entries_.push_back(std::move(entry));
+  texts_.emplace_back();
+  return entries_.size() - 1;
+}
+
+std::vector<std::pair<std::string, std::vector<std::string>>> FieldTable::given() const {
+  std::vector<std::pair<std::string, std::vector<std::string>>> all;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const bool is_flag = entries_[i].form == FieldForm::flag;
+    all.emplace_back(long_name(entries_[i]),
+                     is_flag && is_given(i) ? std::vector<std::string>{"true"} : texts_[i]);
+  }
+  return all;
+}
+
+void FieldTable::give(std::string_view name, std::vector<std::string> texts) {
+  std::string plain(name);
+  std::ranges::replace(plain, '_', '-');
+  std::vector<std::string> known;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const FieldEntry& field = entries_[i];
+    for (std::string own : plain_names(field)) {
+      std::ranges::replace(own, '_', '-');
+      known.push_back(own);
+      if (own != plain) continue;
+      const bool is_flag = field.form == FieldForm::flag;
+      if (is_flag ? !texts.empty() : takes_many(field) ? texts.size() < field.least : texts.size() != 1)
+        throw UsageError(fmt::format("{}: expected {}, found {} values", name,
+                                     is_flag             ? "no value"
+                                     : takes_many(field) ? fmt::format("at least {}", field.least)
+                                                         : "one value",
+                                     texts.size()));
+      if (is_flag) texts = {""};
+      if (field.form != FieldForm::repeated) texts_[i].clear();
+      std::ranges::move(texts, std::back_inserter(texts_[i]));
+      return;
+    }
+  }
+  const std::vector<std::string_view> views(known.begin(), known.end());
+  const std::string_view nearest = nearest_word(plain, views);
+  throw UsageError(fmt::format("unknown field '{}' of {}{}", name, name_,
+                               nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
+}
+
+void FieldTable::read() const {
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const FieldEntry& field = entries_[i];
+    const std::string name = long_name(field);
+    if (!is_given(i)) {
+      if (field.is_required) throw UsageError(fmt::format("missing {}; expected {}", name, field.kind));
+      continue;
+    }
+    for (const std::size_t other : field.needed)
+      if (!is_given(other)) throw UsageError(fmt::format("{} requires {}", name, long_name(entries_[other])));
+    for (const std::size_t other : field.excluded)
+      if (is_given(other)) throw UsageError(fmt::format("{} excludes {}", name, long_name(entries_[other])));
+    try {
+      field.read(field.form == FieldForm::flag ? std::vector<std::string>{} : texts_[i]);
+    } catch (const UsageError& error) {
+      throw UsageError(name + ": " + error.what());
+    }
+  }
+}
+
+}  // namespace alidade::jobs

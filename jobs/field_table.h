@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "jobs/fields.h"
+
+namespace alidade::jobs {
+
+/// The fields of a request by name, for whoever fills it from anything but a command line.
+///
+///   const auto table = std::make_shared<FieldTable>("raster");
+///   add_raster_fields(Fields(table), request);
+///   table->give("observer_height", {"1.7"});
+///   table->read();
+class FieldTable : public FieldSink {
+ public:
+  /// `name` of what is requested: "raster".
+  explicit FieldTable(std::string name) : name_(std::move(name)) {}
+
+  std::size_t declare(FieldEntry entry) override;
+  bool is_given(std::size_t index) const override { return !texts_[index].empty(); }
+  void need(std::size_t index, std::size_t other) override { entries_[index].needed.push_back(other); }
+  std::string name() const override { return name_; }
+  std::vector<std::pair<std::string, std::vector<std::string>>> given() const override;
+
+  /// In the order of declaration.
+  const std::vector<FieldEntry>& entries() const { return entries_; }
+
+  /// Gives a field its texts: one, but any number if it is repeated or takes words, and none for a flag.
+  /// Given again, a repeated field has more of them, others have the last. `name`: any of the field's,
+  /// without hyphens in front; '_' may stand for '-'. Errors: UsageError: no such field, which names the nearest;
+  /// another number of texts.
+  void give(std::string_view name, std::vector<std::string> texts);
+
+  /// Reads all that was given, in the order of declaration. Errors: UsageError, which names the field:
+  /// a value is wrong, a field is missing, or given without one that it needs or beside one that it excludes.
+  void read() const;
+
+ private:
+  std::string name_;
+  std::vector<FieldEntry> entries_{};
+  /// Empty for fields that were not given; a flag that was given has one empty text.
+  std::vector<std::vector<std::string>> texts_{};
+};
+
+/// The names of a field without hyphens in front: "o", "output".
+std::vector<std::string> plain_names(const FieldEntry& field);
+
+}  // namespace alidade::jobs

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "base/scratch_file.h"
+#include "cloud/cloud_inputs.h"
+#include "cloud/crs.h"
+#include "cloud/read_cloud.h"
+#include "jobs/fields.h"
+#include "jobs/listener.h"
+#include "octree/index_file/index_file.h"
+
+namespace alidade::jobs {
+
+/// All formats that jobs read: tables of servers, SQLite, index files, and those of files.
+CloudFormats cloud_formats();
+
+/// Reads the files of a cloud, or loads them with an octree, each as one stage; warns of what the cloud warns
+/// of. `partial`: damaged files are read in part; that and `progress` of the options are ignored.
+PointCloud read_files(const CloudInputs& files, bool partial, ReadOptions options, Listener& listener);
+IndexedCloud load_cloud(const CloudInputs& files, bool partial, IndexCloudOptions options,
+                        Listener& listener);
+
+/// Declares --memory of commands that can hold clouds in scratch files.
+Field add_scratch_memory(const Fields& fields, std::optional<std::size_t>& memory);
+/// Scratch files next to an output, or in the current folder if `output` is empty. Empty without --memory.
+std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
+                                           std::optional<std::size_t> memory);
+
+/// States that temporary files take up to so many bytes of a folder. Errors: there is no room for them.
+void check_room(const std::filesystem::path& folder, std::uint64_t bytes, Listener& listener);
+
+/// with_spacings() and with_surfaces(), each as one stage.
+Octree with_spacings(const Octree& octree, int neighbours, Listener& listener);
+Octree with_surfaces(const Octree& octree, Listener& listener);
+
+/// Errors: x and y of a cloud are degrees, and z is a length: distances are undefined, so that images would
+/// be hairlines and answers about sight wrong.
+void check_map_unit(const Crs& crs, const CloudInputs& clouds);
+
+}  // namespace alidade::jobs
