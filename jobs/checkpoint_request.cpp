@@ -30,7 +30,7 @@ void add_checkpoint_fields(const Fields& fields, CheckpointRequest& request, con
 
 std::function<void(const Error&)> checkpoint_warning(Listener& listener) {
   return [&listener, said = false](const Error& error) mutable {
-    if (!said) listener.warn(std::string("no checkpoint: ") + error.what());
+    if (!said) listener.warn_always(std::string("no checkpoint: ") + error.what());
     said = true;
   };
 }

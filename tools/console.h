@@ -131,6 +131,7 @@ class Console : public jobs::Listener {
 
   void note(std::string_view text) override { say_note(verbosity_, text); }
   void warn(std::string_view text) override;
+  void warn_always(std::string_view text) override { say_warning(text); }
   bool is_listening() const override { return verbosity_ != Verbosity::quiet; }
   std::unique_ptr<Stage> begin(std::string task, std::string unit) override;
   bool stops() const override { return interrupted(); }

@@ -243,7 +243,7 @@ Field add_cloud_files(const Fields& command, const std::string& name, const std:
 }
 
 std::function<void(const Error&)> checkpoint_warning() {
-  static Console console(Verbosity::normal);
+  static Console console(Verbosity::quiet);
   return jobs::checkpoint_warning(console);
 }
 

@@ -145,7 +145,7 @@ inline const std::string k_database_help =
 Field add_cloud_files(const Fields& command, const std::string& name, const std::string& kind,
                       const std::string& help, CloudInputs& clouds, const std::shared_ptr<ViewRequest>& view);
 
-/// jobs::checkpoint_warning() that is heard with -q, too.
+/// jobs::checkpoint_warning() for commands that are no jobs yet.
 std::function<void(const Error&)> checkpoint_warning();
 
 /// Declares --partial.

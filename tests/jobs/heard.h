@@ -17,6 +17,7 @@ class Heard : public jobs::Listener {
 
   void note(std::string_view text) override { notes.emplace_back(text); }
   void warn(std::string_view text) override { warnings.emplace_back(text); }
+  void warn_always(std::string_view text) override { warn(text); }
   bool is_listening() const override { return true; }
   bool stops() const override { return false; }
 

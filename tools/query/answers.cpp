@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "tools/cloud/write_points.h"
+#include "jobs/write_points.h"
 #include "tools/query/answers.h"
 
 namespace alidade::tools {
@@ -148,7 +148,7 @@ class AnswerLas final : public AnswerOutput {
       warnings.push_back(fmt::format("{}: replacing the cloud's {}", file.string(), name));
       return true;
     });
-    PointCloud like = description_of(cloud);
+    PointCloud like = jobs::description_of(cloud);
     for (const ExtraColumn& column : columns_.extra_dimensions)
       like.extra_dimensions.push_back(column.description);
     for (const AnswerDimension& dimension : dimensions_)

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "jobs/write_points.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/cloud/write_points.h"
 #include "tools/command.h"
 #include "tools/view_options.h"
 #include "tools/visibility/visibility_request.h"
@@ -260,7 +260,7 @@ ExitCode run(const ChangeCommand& command) {
   const Summaries old_classes(changes.before, *before), new_classes(changes.after, *after);
   const CloudResults results[] = {{before->cloud, columns_of(changes.before, 1)},
                                   {after->cloud, columns_of(changes.after, 2)}};
-  write_points(command.output, results, command.overwrite, command.memory, command.verbosity);
+  write_points(command.output, results, command.overwrite, command.memory, console);
   write_to_stdout(command.json
                       ? json{{"before", json_of(old_classes)}, {"after", json_of(new_classes)}}.dump(2) + "\n"
                       : table_of("BEFORE", old_classes) + "\n" + table_of("AFTER", new_classes));

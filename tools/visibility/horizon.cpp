@@ -9,11 +9,11 @@
 #include "cloud/axis_units.h"
 #include "geo/earth.h"
 #include "geo/gdal_library.h"
+#include "jobs/visibility/row_output.h"
 #include "renderer/image_metadata.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/visibility/row_output.h"
 #include "tools/visibility/visibility_request.h"
 #include "visibility/horizon/skyline.h"
 #include "visibility/sky/sky_view.h"
@@ -112,7 +112,8 @@ void write_line(const HorizonCommand& command, const VisibilityCloud& cloud, con
   if (is_geojson(command.output)) {
     const auto on_globe =
         geo::lon_lat(cloud.cloud.cloud.crs, visibility::horizon_positions(view.line, view.facts));
-    if (!on_globe && command.verbosity != Verbosity::quiet) warn_of_cloud_coordinates(command.output);
+    Console console(command.verbosity);
+    if (!on_globe) warn_of_cloud_coordinates(command.output, console);
     text = visibility::horizon_geojson(view.line, view.facts, on_globe);
   } else {
     text = visibility::horizon_csv(view.line);

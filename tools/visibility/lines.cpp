@@ -5,10 +5,10 @@
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "geo/earth.h"
+#include "jobs/visibility/row_output.h"
 #include "octree/distance.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/visibility/row_output.h"
 #include "tools/visibility/visibility_request.h"
 #include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_files.h"
@@ -252,7 +252,7 @@ void say_result(const LinesCommand& command, const visibility::LineTable& table)
 
 /// Errors that need no cloud.
 void check_options(const LinesCommand& command) {
-  chosen_row_form(command.output);
+  load_row_writer(command.output);
   check_pair_request(command.pairs);
   const std::vector<std::filesystem::path> inputs =
       command.inputs({command.pairs.pairs, command.pairs.places});
@@ -299,9 +299,12 @@ ExitCode run_lines(const LinesCommand& command) {
   for (const visibility::LinePair& pair : table.pairs)
     table.unscanned.push_back(
         visibility::unscanned_length(ground, glm::dvec2(pair.from.position), glm::dvec2(pair.to.position)));
-  write_rows(command, cloud->cloud.cloud, [&](auto form, const auto& head, const auto& to_lon_lat) {
-    return visibility::write_lines(table, form, head, to_lon_lat, command.output, command.overwrite);
-  });
+  write_rows(
+      command, cloud->cloud.cloud,
+      [&](auto form, const auto& head, const auto& to_lon_lat) {
+        return visibility::write_lines(table, form, head, to_lon_lat, command.output, command.overwrite);
+      },
+      console);
   long_run.finish();
   say_result(command, table);
   return ExitCode::done;

@@ -15,9 +15,9 @@
 #include "camera/formats/e57.h"
 #include "geo/gdal_library.h"
 #include "geo/geopackage.h"
+#include "jobs/write_points.h"
 #include "tools/camera_file.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/cloud/write_points.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/visibility_request.h"
@@ -250,7 +250,8 @@ void write(const PhotosCommand& command, const VisibilityCloud& cloud,
     visibility::write_photos(seen, cameras, cloud.cloud.cloud.crs, command.footprints, command.overwrite);
   if (command.output.empty()) return;
   const CloudResults results{cloud.cloud, columns_of(seen), seen.colors};
-  write_points(command.output, {&results, 1}, command.overwrite, command.memory, command.verbosity);
+  Console console(command.verbosity);
+  write_points(command.output, {&results, 1}, command.overwrite, command.memory, console);
 }
 
 ExitCode run(const PhotosCommand& command) {

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <map>
 
+#include "jobs/visibility/row_output.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/visibility/row_output.h"
 #include "tools/visibility/visibility_request.h"
 #include "visibility/points/placement.h"
 
@@ -39,7 +39,7 @@ std::map<int, double> parse_weights(const std::string& text) {
 
 /// Errors that need no cloud.
 void check_options(const PlaceCommand& command) {
-  chosen_row_form(command.output);
+  load_row_writer(command.output);
   const std::vector<std::filesystem::path> inputs = command.inputs({command.candidates.file});
   const std::filesystem::path outputs[] = {command.output, command.curve};
   if (!command.curve.empty() && image::image_format(command.curve) != image::ImageFormat::png)
@@ -113,10 +113,13 @@ ExitCode run(const PlaceCommand& command) {
     long_run.finish();
     return ExitCode::no;
   }
-  write_rows(command, cloud->cloud.cloud, [&](auto form, const auto& head, const auto& to_lon_lat) {
-    return visibility::write_placement(placement, candidates, form, head, to_lon_lat, command.output,
-                                       command.overwrite);
-  });
+  write_rows(
+      command, cloud->cloud.cloud,
+      [&](auto form, const auto& head, const auto& to_lon_lat) {
+        return visibility::write_placement(placement, candidates, form, head, to_lon_lat, command.output,
+                                           command.overwrite);
+      },
+      console);
   if (!command.curve.empty())
     image_module().write_coverage_image(placement, command.curve, command.overwrite);
   long_run.finish();

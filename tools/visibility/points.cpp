@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/words.h"
+#include "jobs/write_points.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/cloud/write_points.h"
 #include "tools/command.h"
 #include "tools/visibility/visibility_request.h"
 #include "visibility/points/point_visibility.h"
@@ -198,7 +198,7 @@ ExitCode run(const PointsCommand& command) {
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
   const visibility::PointVisibility seen = test_visibility(*cloud, observers, options, long_run, list);
-  write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, command.memory, verbosity);
+  write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, command.memory, console);
   if (list) list->finish();
   long_run.finish();
   const auto count = static_cast<std::size_t>(

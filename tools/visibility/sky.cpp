@@ -73,9 +73,10 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, L
                                            {progress, parts});
       });
   const auto value = [&views](std::size_t id) { return views[id]; };
+  Console console(command.verbosity);
   write_points(command.output, cloud.cloud,
                {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
-               command.overwrite, command.memory, command.verbosity);
+               command.overwrite, command.memory, console);
   return range_and_mean(value, views.size());
 }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/cloud/write_points.h"
+#include "jobs/write_points.h"
 #include "tools/options.h"
 #include "tools/visibility/visibility_request.h"
 #include "visibility/raster/ground.h"

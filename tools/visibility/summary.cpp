@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include "jobs/visibility/row_output.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/visibility/row_output.h"
 #include "tools/visibility/visibility_request.h"
 #include "visibility/points/point_visibility.h"
 
@@ -32,7 +32,7 @@ std::vector<double> parse_bands(const std::string& text) {
 /// Errors that need no cloud.
 void check_options(const SummaryCommand& command) {
   visibility::azimuths_per_turn(command.summary.step);
-  chosen_row_form(command.output);
+  load_row_writer(command.output);
   const std::vector<std::filesystem::path> inputs = command.inputs({command.observers.file});
   check_writable(command.output, command.overwrite, inputs);
   check_checkpoint(command.checkpoint, command.overwrite, {{command.output}}, inputs);
@@ -59,10 +59,13 @@ ExitCode run(const SummaryCommand& command) {
         options.parts = parts;
         return visibility::summarize(*cloud->occluders, observers, options);
       });
-  write_rows(command, cloud->cloud.cloud, [&](auto form, const auto& head, const auto& to_lon_lat) {
-    return visibility::write_summaries(summaries, observers, options, form, head, to_lon_lat, command.output,
-                                       command.overwrite);
-  });
+  write_rows(
+      command, cloud->cloud.cloud,
+      [&](auto form, const auto& head, const auto& to_lon_lat) {
+        return visibility::write_summaries(summaries, observers, options, form, head, to_lon_lat,
+                                           command.output, command.overwrite);
+      },
+      console);
   long_run.finish();
   say_note(verbosity, fmt::format("{} observer{}; wrote {}", observers.size(),
                                   observers.size() == 1 ? "" : "s", command.output.string()));

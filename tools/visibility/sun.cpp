@@ -8,9 +8,9 @@
 #include "base/error.h"
 #include "base/words.h"
 #include "cloud/axis_units.h"
+#include "jobs/visibility/row_output.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/visibility/row_output.h"
 #include "tools/visibility/sun_request.h"
 #include "visibility/horizon/skyline.h"
 #include "visibility/sky/sky_of_cloud.h"
@@ -78,7 +78,8 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
                                              }));
     }
   }
-  write_points(command.output, cloud.cloud, columns, command.overwrite, command.memory, command.verbosity);
+  Console console(command.verbosity);
+  write_points(command.output, cloud.cloud, columns, command.overwrite, command.memory, console);
   return range_and_mean([&](std::size_t id) { return answers[id * periods].hours; },
                         answers.size() / periods);
 }
@@ -175,10 +176,13 @@ ExitCode run_sun_observers(const SunCommand& command) {
   const visibility::PositionTable table = table_of(command, *sun, observers, answers);
   visibility::Row members = visibility::Row::object();
   for (const auto& [key, text] : sun_metadata(command, *sun)) members[key] = text;
-  write_rows(command, cloud->cloud.cloud, [&](auto form, const auto& head, const auto& to_lon_lat) {
-    return visibility::write_positions(table, members, form, head, to_lon_lat, command.output,
-                                       command.overwrite);
-  });
+  write_rows(
+      command, cloud->cloud.cloud,
+      [&](auto form, const auto& head, const auto& to_lon_lat) {
+        return visibility::write_positions(table, members, form, head, to_lon_lat, command.output,
+                                           command.overwrite);
+      },
+      console);
   if (!command.diagram.empty()) write_diagram(command, *cloud, *sun, observers.front());
   say_note(command.verbosity, fmt::format("wrote {} rows to {}", table.rows.size(), command.output.string()));
   return ExitCode::done;

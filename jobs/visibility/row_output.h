@@ -2,14 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "cloud/point_cloud.h"
-#include "tools/visibility/visibility_request.h"
+#include "jobs/listener.h"
+#include "jobs/visibility/visibility_cloud.h"
 #include "visibility/row_text.h"
 
-// What commands that write rows have in common.
+// What jobs that write rows have in common.
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// The form of rows by the extension of the name. Errors: another extension.
 visibility::RowForm chosen_row_form(const std::filesystem::path& file);
@@ -21,11 +23,11 @@ void load_row_writer(const std::filesystem::path& file);
 using WriteRows =
     std::function<bool(visibility::RowForm, const visibility::RowFileHead&, const visibility::ToLonLat&)>;
 
-/// Writes the output of a command, and warns if it has the coordinates of the cloud. GDAL is loaded
-/// when the first longitude is needed. Errors: those of `write`.
-void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write);
+/// Writes the output of a job, and warns if it has the coordinates of the cloud. Errors: those of `write`.
+void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write,
+                Listener& listener);
 
 /// Warns that a GeoJSON file has the coordinates of the cloud.
-void warn_of_cloud_coordinates(const std::filesystem::path& file);
+void warn_of_cloud_coordinates(const std::filesystem::path& file, Listener& listener);
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -11,16 +11,16 @@
 #include <utility>
 #include <vector>
 
+#include "jobs/listener.h"
 #include "octree/index_file/index_file.h"
-#include "tools/console.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// The metadata for a copy of a cloud with other columns: lattice, reference system, LAS records and
 /// encoding. No points, no columns.
 PointCloud description_of(const IndexedCloud& cloud);
 
-/// A column that a command adds to the points of a cloud.
+/// A column that a job adds to the points of a cloud.
 struct ResultColumn {
   ExtraDimension description;  ///< its `values` are empty
   /// Writes the values of the points [first, first + count), little endian and one after another.
@@ -60,13 +60,13 @@ void check_points_name(const std::filesystem::path& file);
 /// for COPC also `memory` (LasWriteOptions). Errors: as LasWriter, write_ply().
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   const std::vector<ResultColumn>& results, bool overwrite,
-                  std::optional<std::uint64_t> memory, Verbosity verbosity);
+                  std::optional<std::uint64_t> memory, Listener& listener);
 
 /// Writes several clouds, at least one, into one file, one after the other. A column that only some have is 0
 /// in the others. Positions are on one lattice (joined_lattice()), which rounds some by half a step at most
 /// if it does not hold all of them exactly. Reference system: that of the first cloud that has one; records
 /// and encoding: of the first.
 void write_points(const std::filesystem::path& file, std::span<const CloudResults> clouds, bool overwrite,
-                  std::optional<std::uint64_t> memory, Verbosity verbosity);
+                  std::optional<std::uint64_t> memory, Listener& listener);
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

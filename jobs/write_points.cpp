@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/cloud/write_points.h"
+#include "jobs/write_points.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "cloud/rows.h"
 #include "octree/tree_walk.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 constexpr std::size_t k_rows_at_once = 1 << 17;
@@ -190,32 +190,29 @@ void check_points_name(const std::filesystem::path& file) {
 
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   const std::vector<ResultColumn>& results, bool overwrite,
-                  std::optional<std::uint64_t> memory, Verbosity verbosity) {
+                  std::optional<std::uint64_t> memory, Listener& listener) {
   const CloudResults only{cloud, results};
-  write_points(file, {&only, 1}, overwrite, memory, verbosity);
+  write_points(file, {&only, 1}, overwrite, memory, listener);
 }
 
 void write_points(const std::filesystem::path& file, std::span<const CloudResults> clouds, bool overwrite,
-                  std::optional<std::uint64_t> memory, Verbosity verbosity) {
+                  std::optional<std::uint64_t> memory, Listener& listener) {
   check_points_name(file);
   AllRows rows(clouds);
-  if (verbosity != Verbosity::quiet) {
-    for (const Rows& cloud : rows.clouds())
-      for (const std::string& name : cloud.replaced())
-        say_warning(fmt::format("{}: replacing the cloud's {}", file.string(), name));
-  }
-  ProgressLine line("writing", "points", verbosity);
+  for (const Rows& cloud : rows.clouds())
+    for (const std::string& name : cloud.replaced())
+      listener.warn(fmt::format("{}: replacing the cloud's {}", file.string(), name));
+  const std::unique_ptr<Listener::Stage> stage = listener.begin("writing", "points");
   if (file_extension(file) != ".ply") {
-    LasWriteOptions options{.overwrite = overwrite, .warn = [verbosity](const std::string& text) {
-                              say_warnings(verbosity, {text});
-                            }};
+    LasWriteOptions options{.overwrite = overwrite,
+                            .warn = [&listener](const std::string& text) { listener.warn(text); }};
     options.memory = memory.value_or(options.memory);
-    write_las_rows(file, rows, options, line.callback());
+    write_las_rows(file, rows, options, stage->callback());
   } else {
     const PointPieces pieces = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
-    write_ply(file, rows.size(), pieces, {.overwrite = overwrite, .progress = line.callback()});
+    write_ply(file, rows.size(), pieces, {.overwrite = overwrite, .progress = stage->callback()});
   }
-  line.finish();
+  stage->finish();
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs
