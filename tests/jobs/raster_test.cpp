@@ -187,7 +187,6 @@ TEST_F(RasterJobTest, heights_count_from_that_of_the_target) {
   ASSERT_EQ(result.error, "");
   EXPECT_TRUE(contains(result.heard.text(), "visible at 0.4 above the ground 100.0 % of the cells"))
       << result.heard.text();
-  const Map map = map;
   for (const double value : map.values) EXPECT_FLOAT_EQ(static_cast<float>(value), 0.4f);
 }
 
