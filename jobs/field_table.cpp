@@ -7,14 +7,11 @@
 #include <iterator>
 
 #include "base/words.h"
+#include "jobs/checkpoint_request.h"
+#include "jobs/outputs.h"
 
 namespace alidade::jobs {
 namespace {
-
-/// The longest name, which says most.
-std::string long_name(const FieldEntry& field) {
-  return plain_names(field).back();
-}
 
 bool takes_many(const FieldEntry& field) {
   return field.form == FieldForm::repeated || field.form == FieldForm::words;
@@ -26,6 +23,11 @@ std::vector<std::string> plain_names(const FieldEntry& field) {
   std::vector<std::string> names = split_list(field.names);
   for (std::string& name : names) name.erase(0, std::min(name.find_first_not_of('-'), name.size()));
   return names;
+}
+
+std::string long_name(const FieldEntry& field) {
+  const std::vector<std::string> names = plain_names(field);
+  return *std::ranges::find_if(names, [](const std::string& name) { return name.size() > 2; });
 }
 
 std::size_t FieldTable::declare(FieldEntry entry) {
@@ -73,6 +75,11 @@ void FieldTable::give(std::string_view name, std::vector<std::string> texts) {
                                nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
 }
 
+void FieldTable::waive(std::string_view name) {
+  for (FieldEntry& field : entries_)
+    if (std::ranges::count(plain_names(field), name) > 0) field.is_required = false;
+}
+
 void FieldTable::read() const {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const FieldEntry& field = entries_[i];
@@ -91,6 +98,26 @@ void FieldTable::read() const {
       throw UsageError(name + ": " + error.what());
     }
   }
+}
+
+std::string command_text(const FieldTable& table, std::span<const std::filesystem::path> files,
+                         std::span<const std::string_view> silent) {
+  const auto quoted = [](const std::string& word) {
+    const bool is_plain = !word.empty() && word.find_first_of(" \t'\"") == std::string::npos;
+    return is_plain ? word : fmt::format("\"{}\"", word);
+  };
+  std::string text = "alidade " + table.name();
+  for (const std::filesystem::path& file : files) text += " " + quoted(kept_name(file));
+  for (std::size_t i = 0; i < table.entries().size(); ++i) {
+    const std::string name = long_name(table.entries()[i]);
+    if (!table.is_given(i) || is_silent(name, silent)) continue;
+    if (table.entries()[i].form == FieldForm::flag) {
+      text += " --" + name;
+    } else {
+      for (const std::string& one : table.texts(i)) text += " --" + name + " " + quoted(kept_name(one));
+    }
+  }
+  return text;
 }
 
 }  // namespace alidade::jobs

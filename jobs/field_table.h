@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,7 +21,7 @@ namespace alidade::jobs {
 ///   table->read();
 class FieldTable : public FieldSink {
  public:
-  /// `name` of what is requested: "raster".
+  /// `name` of what is requested: "visibility raster".
   explicit FieldTable(std::string name) : name_(std::move(name)) {}
 
   std::size_t declare(FieldEntry entry) override;
@@ -31,11 +33,17 @@ class FieldTable : public FieldSink {
   /// In the order of declaration.
   const std::vector<FieldEntry>& entries() const { return entries_; }
 
+  /// What was given to the field with this index; one empty text for a flag.
+  const std::vector<std::string>& texts(std::size_t index) const { return texts_[index]; }
+
   /// Gives a field its texts: one, but any number if it is repeated or takes words, and none for a flag.
   /// Given again, a repeated field has more of them, others have the last. `name`: any of the field's,
-  /// without hyphens in front; '_' may stand for '-'. Errors: UsageError: no such field, which names the nearest;
-  /// another number of texts.
+  /// without hyphens in front; '_' may stand for '-'. Errors: UsageError: no such field, with the
+  /// nearest name; another number of texts.
   void give(std::string_view name, std::vector<std::string> texts);
+
+  /// A required field of this name need not be given: the caller has another way for it.
+  void waive(std::string_view name);
 
   /// Reads all that was given, in the order of declaration. Errors: UsageError, which names the field:
   /// a value is wrong, a field is missing, or given without one that it needs or beside one that it excludes.
@@ -48,7 +56,15 @@ class FieldTable : public FieldSink {
   std::vector<std::vector<std::string>> texts_{};
 };
 
+/// The command line that means the same, for the metadata of outputs: "alidade visibility raster site.las
+/// --observer 1,2,3", with names of files as kept_name(), without fields that cannot change answers and those
+/// in `silent`.
+std::string command_text(const FieldTable& table, std::span<const std::filesystem::path> files,
+                         std::span<const std::string_view> silent = {});
+
 /// The names of a field without hyphens in front: "o", "output".
 std::vector<std::string> plain_names(const FieldEntry& field);
+/// The first of them that is a word: the name in messages. Others are short, or those of other programs.
+std::string long_name(const FieldEntry& field);
 
 }  // namespace alidade::jobs

@@ -75,4 +75,5 @@ PYBIND11_MODULE(_alidade, module) {
        .wkt = [](const Crs& crs) { return has_gdal() ? alidade::geo::library_wkt(crs) : crs.wkt; }});
   alidade::python::add_cloud(module);
   alidade::python::add_images(module);
+  alidade::python::add_jobs(module);
 }

@@ -21,9 +21,8 @@
 #include "cloud/ply/write_ply.h"
 #include "cloud/point_table.h"
 #include "cloud/read_cloud.h"
-#include "database/server/server_clouds.h"
-#include "database/sqlite/stored_cloud.h"
 #include "geo/reproject.h"
+#include "jobs/load_cloud.h"
 #include "octree/build.h"
 #include "octree/index_file/save_index.h"
 #include "octree/point_surface.h"
@@ -156,32 +155,13 @@ py::array column_of(const Cloud& cloud, const py::str& wanted) {
 }
 
 py::object crs_of(const Cloud& cloud) {
-  const Crs& crs = cloud.data()->description().crs;
-  if (!crs.wkt.empty()) return text_of(crs.wkt);
-  const std::vector<std::string> codes = epsg_codes(crs);
-  if (codes.empty()) return py::none();
-  // "EPSG:25832+7837", as PROJ writes compound systems.
-  std::vector<std::string> numbers;
-  for (const std::string& code : codes) numbers.push_back(code.substr(code.rfind(':') + 1));
-  const std::string text = fmt::format("EPSG:{}", fmt::join(numbers, "+"));
-  return py::str(text);
+  return object_of(cloud.data()->description().crs);
 }
-
-void warn(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings)
-    if (PyErr_WarnEx(PyExc_UserWarning, line_text(warning).c_str(), 1) != 0) throw py::error_already_set();
-}
-
-using FileNames = std::variant<std::filesystem::path, std::vector<std::filesystem::path>>;
 
 py::object open_clouds(const FileNames& files, bool partial, int workers, const py::object& progress) {
-  const auto* const one = std::get_if<std::filesystem::path>(&files);
-  const std::vector<std::filesystem::path> names = one ? std::vector{*one} : std::get<1>(files);
-  static const std::vector<const CloudFormat*> formats =
-      with_file_formats({&database::k_server_format, &database::k_sqlite_format, &k_index_format});
   auto data = std::make_shared<CloudData>();
   run_watched(workers, progress, [&](const Progress& watch) {
-    const CloudInputs inputs = in_one_unit(resolve_clouds(names, formats));
+    const CloudInputs inputs = inputs_of(files);
     data->name = inputs.title();
     if (const CloudInput* const index = inputs.only(k_index_format)) {
       if (index->changes_heights())
@@ -443,6 +423,30 @@ py::array Cloud::xyz() {
   array.attr("flags").attr("writeable") = false;
   xyz_ = array;
   return array;
+}
+
+std::vector<std::filesystem::path> names_of(const FileNames& files) {
+  const auto* const one = std::get_if<std::filesystem::path>(&files);
+  return one ? std::vector{*one} : std::get<1>(files);
+}
+
+CloudInputs inputs_of(const FileNames& files) {
+  return in_one_unit(resolve_clouds(names_of(files), jobs::cloud_formats()));
+}
+
+py::object object_of(const Crs& crs) {
+  if (!crs.wkt.empty()) return text_of(crs.wkt);
+  const std::vector<std::string> codes = epsg_codes(crs);
+  if (codes.empty()) return py::none();
+  // "EPSG:25832+7837", as PROJ writes compound systems.
+  std::vector<std::string> numbers;
+  for (const std::string& code : codes) numbers.push_back(code.substr(code.rfind(':') + 1));
+  return py::str(fmt::format("EPSG:{}", fmt::join(numbers, "+")));
+}
+
+void warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings)
+    if (PyErr_WarnEx(PyExc_UserWarning, line_text(warning).c_str(), 1) != 0) throw py::error_already_set();
 }
 
 void add_cloud(py::module_& module) {

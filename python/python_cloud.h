@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <memory>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "base/remote_map.h"
+#include "cloud/cloud_inputs.h"
+#include "cloud/crs.h"
 #include "octree/index_file/index_file.h"
 #include "python/python_arrays.h"
 
@@ -53,11 +59,27 @@ class Index : public Cloud {
   Octree octree_;
 };
 
+/// One file or several.
+using FileNames = std::variant<std::filesystem::path, std::vector<std::filesystem::path>>;
+
+std::vector<std::filesystem::path> names_of(const FileNames& files);
+
+/// The clouds of files, with heights in the unit of x and y. Errors: those of resolve_clouds().
+CloudInputs inputs_of(const FileNames& files);
+
+/// A reference system as WKT, or "EPSG:n"; None if it is unknown.
+py::object object_of(const Crs& crs);
+
+/// Warnings of Python.
+void warn(const std::vector<std::string>& warnings);
+
 /// Declares both classes and open().
 void add_cloud(py::module_& module);
 /// Declares the queries of Index.
 void add_queries(py::class_<Index, Cloud>& index);
 /// Declares render(), visible(), viewshed() and compare().
 void add_images(py::module_& module);
+/// Declares the jobs of the program: raster().
+void add_jobs(py::module_& module);
 
 }  // namespace alidade::python

@@ -10,12 +10,15 @@ from ._answers import (
     Comparison as Comparison,
     HitLists as HitLists,
     Hits as Hits,
+    Map as Map,
     NeighbourLists as NeighbourLists,
     Neighbours as Neighbours,
     PathHits as PathHits,
     PointLists as PointLists,
     Raster as Raster,
 )
+
+from . import visibility as visibility
 
 __version__: str
 Progress = Callable[[int, int], Any]

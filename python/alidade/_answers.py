@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What queries return: named tuples of arrays."""
-from typing import NamedTuple, Optional, Tuple
+from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 from numpy import float32, float64, int64
 from numpy.typing import NDArray
@@ -55,6 +55,16 @@ class Raster(NamedTuple):
     values: NDArray[float32]
     transform: Tuple[float, ...]
     crs: Optional[str]
+
+
+class Map(NamedTuple):
+    """A map as the program writes it: values (rows, columns), transform as affine.Affine takes it, coordinate reference
+    system, the value of cells without data, and the texts that the file's metadata has."""
+    values: NDArray[Any]
+    transform: Tuple[float, ...]
+    crs: Optional[str]
+    nodata: float
+    metadata: Dict[str, str]
 
 
 class Comparison(NamedTuple):

@@ -226,7 +226,7 @@ TEST_F(RasterJobTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "invalid position");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
                   "visible|count|height|fraction|size|solid-angle");
-  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "vv");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "visible-value");
   expect_rejected(
       {"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "height", "--highest", "1", "--tz", "2"},
       "--highest does not exceed");

@@ -29,6 +29,7 @@ WITHOUT_HEADER = {
     "octree/simd/ray_search.cpp": "search<Ray> of octree/simd/search.h",
     "python/module.cpp": "the function that Python calls",
     "python/python_images.cpp": "bindings, added by a function of python/python_cloud.h",
+    "python/python_jobs.cpp": "bindings, added by a function of python/python_cloud.h",
     "python/python_queries.cpp": "bindings, added by a function of python/python_cloud.h",
     "tools/main.cpp": "the program",
     "tools/image_module_entry.cpp": "the function of the module that tools/image_module.cpp finds by its name",
