@@ -220,7 +220,11 @@ Field Fields::file(const std::string& names, const std::string& kind, const std:
                   .kind = kind,
                   .help = help,
                   .form = FieldForm::text,
-                  .read = [&target](const auto& texts) { target = texts.back(); }});
+                  .read = [&target, is_required = is_required_](const auto& texts) {
+                    if (is_required && texts.back().empty())
+                      throw UsageError("invalid value; expected a file name, found ''");
+                    target = texts.back();
+                  }});
 }
 
 Field Fields::flag(const std::string& names, const std::string& help, bool& target) const {

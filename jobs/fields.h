@@ -174,7 +174,7 @@ class Fields {
   Field text(const std::string& names, const std::string& kind, const std::string& help,
              std::vector<std::string>& target) const;
 
-  /// The name of a file or folder, once.
+  /// The name of a file or folder, once; not an empty one if it is required.
   Field file(const std::string& names, const std::string& kind, const std::string& help,
              std::filesystem::path& target) const;
 
