@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "cloud/crs.h"
+#include "jobs/checkpoint_request.h"
+#include "jobs/fields.h"
+#include "jobs/listener.h"
+#include "jobs/visibility/observer_request.h"
+#include "jobs/visibility/visibility_cloud.h"
+#include "visibility/observers.h"
+#include "visibility/points/summary.h"
+
+namespace alidade::jobs {
+
+/// A row of numbers for each observer.
+struct SummaryRequest : VisibilityRequest {
+  ObserverRequest observers;
+  visibility::SummaryOptions summary;  ///< without classes
+  CheckpointRequest checkpoint;
+};
+
+/// Declares all fields but those of the cloud and of how the job runs.
+void add_summary_fields(const Fields& fields, SummaryRequest& request);
+
+/// A checked request.
+class SummaryPlan {
+ public:
+  const SummaryRequest& request() const { return request_; }
+
+ private:
+  friend SummaryPlan plan(const SummaryRequest& request);
+  explicit SummaryPlan(const SummaryRequest& request) : request_(request) {}
+
+  SummaryRequest request_;
+};
+
+/// Checks all that can be checked before a point is read. Errors: a step that does not divide 360; unknown
+/// output format; no observers; files that cannot be read, replaced or written.
+SummaryPlan plan(const SummaryRequest& request);
+
+/// The observers, in the cloud's reference system, and as many summaries.
+struct SummaryResult {
+  std::vector<visibility::Observer> observers;
+  Crs crs;
+  std::vector<visibility::ObserverSummary> summaries;
+};
+
+/// Summarizes what the observers see, and writes it where the request has an output. Errors: those of
+/// load_cloud_alone(), load_observers() and visibility::summarize(); Cancelled. Memory: the cloud, its
+/// surfaces, and that of visibility::summarize().
+SummaryResult run(const SummaryPlan& plan, Listener& listener);
+
+}  // namespace alidade::jobs
