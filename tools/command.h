@@ -72,10 +72,11 @@ struct JobCommand {
   Verbosity verbosity = Verbosity::normal;
 };
 
-/// A command that plans and runs the job.
-template <class Request>
-Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command) {
-  return {options, [command](const CommandLine& words) {
+/// A command that plans and runs the job. `show(plan, result)` prints what belongs on stdout, and returns the
+/// exit code.
+template <class Request, class Show>
+Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command, Show show) {
+  return {options, [command, show](const CommandLine& words) {
             Request& request = command->request;
             request.command = metadata_command(words);
             const auto threads = request.threads
@@ -83,10 +84,16 @@ Command job_command(const Options& options, const std::shared_ptr<JobCommand<Req
                                      : enough_threads(words, available_memory().value_or(UINT64_MAX));
             return with_threads(threads, [&] {
               Console console(command->verbosity);
-              run(plan(request), console);
-              return ExitCode::done;
+              const auto checked = plan(request);
+              return show(checked, run(checked, console));
             });
           }};
+}
+
+/// A job of which nothing belongs on stdout, and which is done if it does not fail.
+template <class Request>
+Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command) {
+  return job_command(options, command, [](const auto&, const auto&) { return ExitCode::done; });
 }
 
 Command add_info(const Options& program);
