@@ -8,9 +8,9 @@
 
 #include "base/error.h"
 #include "camera/camera_json.h"
+#include "jobs/camera_file.h"
 #include "renderer/overview.h"
 #include "renderer/read_scene.h"
-#include "tools/camera_file.h"
 #include "visibility/photos/photo_visibility.h"
 
 namespace alidade::tools {
@@ -31,7 +31,7 @@ std::vector<View> views_of_file(const CameraRequest& request, const renderer::Sc
                                 std::vector<std::string>& warnings) {
   camera::CameraFileOptions options{.lens = scene.camera, .original_world = request.original_world};
   if (!request.lens_file.empty()) options.lens = camera::read_camera(request.lens_file);
-  camera::CameraSet set = read_camera_file(
+  camera::CameraSet set = jobs::read_camera_file(
       request.file, request.name.empty() ? std::vector<std::string>() : std::vector{request.name}, options);
   warnings = std::move(set.warnings);
   std::vector<View> views;
@@ -119,7 +119,7 @@ std::string names_of(std::span<const View> views) {
   if (views.size() == 1) return fmt::format("camera '{}' sees nothing", views.front().name);
   std::vector<std::string> names;
   for (const View& view : views) names.push_back(view.name);
-  return fmt::format("{} cameras see nothing: {}", views.size(), some_names(names));
+  return fmt::format("{} cameras see nothing: {}", views.size(), jobs::some_names(names));
 }
 
 /// The reason if it is known; else empty.
@@ -141,12 +141,12 @@ std::string reason_of(std::span<const View> views, const Octree& octree) {
 
 void add_camera_options(const Fields& render, CameraRequest& request) {
   const Field camera = render.file("--camera", "FILE|FOLDER",
-                                   "cameras instead of the scene's: " + k_camera_files, request.file);
+                                   "cameras instead of the scene's: " + jobs::k_camera_files, request.file);
   render.needs(camera).text("--camera-name", "NAME",
                             "one of the file's cameras, by the name of its photograph (default: all)",
                             request.name);
-  add_camera_reading(render.needs(camera), " (default: the scene's camera)", request.lens_file,
-                     request.original_world);
+  jobs::add_camera_reading(render.needs(camera), " (default: the scene's camera)", request.lens_file,
+                           request.original_world);
   render.number("--near", "METRES",
                 "do not show points nearer to the camera, such as the camera positions that some "
                 "photogrammetry writes into its clouds (default: the camera's, else 0)",

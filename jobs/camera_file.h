@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "camera/camera_set.h"
-#include "tools/options.h"
+#include "jobs/fields.h"
 
-// Camera files on the command line.
+// What jobs with camera files have in common.
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// The files that --camera takes, for its help text.
 inline const std::string k_camera_files =
@@ -30,4 +30,4 @@ camera::CameraSet read_camera_file(const std::filesystem::path& file, const std:
 /// "'a.jpg', 'b.jpg'", of many the first ten and "...".
 std::string some_names(std::span<const std::string> names);
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/camera_file.h"
+#include "jobs/camera_file.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "camera/projection.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 /// Adds the camera and file to an error of check_camera().
@@ -58,4 +58,4 @@ std::string some_names(std::span<const std::string> names) {
   return names.size() > k_most ? text + ", ..." : text;
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

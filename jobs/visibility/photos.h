@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "camera/camera_set.h"
+#include "cloud/crs.h"
+#include "jobs/checkpoint_request.h"
+#include "jobs/fields.h"
+#include "jobs/listener.h"
+#include "jobs/visibility/visibility_cloud.h"
+#include "visibility/photos/photo_visibility.h"
+
+namespace alidade::jobs {
+
+/// Which photos see which points, and their footprints.
+struct PhotosRequest : VisibilityRequest {
+  std::filesystem::path cameras;
+  std::filesystem::path lens;        ///< of a trajectory; empty: none
+  std::filesystem::path photos;      ///< empty: those in `cameras`
+  std::filesystem::path footprints;  ///< empty: none
+  std::vector<std::string> names;    ///< of the cameras; empty: all
+  bool original_world = false;       ///< CameraFileOptions::original_world
+  bool colorize = false;
+  double max_distance = std::numeric_limits<double>::infinity();
+  std::optional<double> footprint_cell;
+  CheckpointRequest checkpoint;
+};
+
+/// Declares all fields but those of the cloud and of how the job runs.
+void add_photos_fields(const Fields& fields, PhotosRequest& request);
+
+/// A checked request, with its cameras.
+class PhotosPlan {
+ public:
+  const PhotosRequest& request() const { return request_; }
+  const camera::CameraSet& cameras() const { return cameras_; }
+
+ private:
+  friend PhotosPlan plan(const PhotosRequest& request);
+  PhotosPlan(const PhotosRequest& request, camera::CameraSet cameras)
+      : request_(request), cameras_(std::move(cameras)) {}
+
+  PhotosRequest request_;
+  camera::CameraSet cameras_;
+};
+
+/// Checks all that can be checked before a point or photo is read, and reads the cameras. Errors: no output;
+/// unknown output formats; colours without photos; files that cannot be read, replaced or written; those of
+/// read_camera_file().
+PhotosPlan plan(const PhotosRequest& request);
+
+/// The cameras, in the cloud's reference system, and what their photos see.
+struct PhotosResult {
+  std::vector<camera::NamedCamera> cameras;
+  Crs crs;
+  visibility::PhotoVisibility seen;
+};
+
+/// Computes what the photos see, and writes the points and footprints. Errors: photos that are missing, of
+/// another size than their cameras, or cannot be read; those of load_cloud_alone() and
+/// visibility::photo_visibility(); Cancelled. Memory: the cloud, its surfaces, and that of
+/// visibility::photo_visibility().
+PhotosResult run(const PhotosPlan& plan, Listener& listener);
+
+}  // namespace alidade::jobs
