@@ -9,6 +9,7 @@
 #include "base/words.h"
 #include "cloud/axis_units.h"
 #include "jobs/visibility/row_output.h"
+#include "jobs/write_points.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/sun_request.h"
@@ -193,6 +194,7 @@ ExitCode run(const SunCommand& command) {
     throw input_error("--bounces 1 does not apply with --beam-only", "one of the two");
   if (command.has_observers()) return run_sun_observers(command);
   if (!command.diagram.empty()) throw input_error("--diagram requires an observer", "--observer X,Y,Z");
+  check_sky_site(command);
   Console console(command.verbosity);
   const SkySite site = load_sky_site(command, static_cast<int>(sun_quantities(command).size()), console);
   const std::unique_ptr<SunSky> sun = sun_of(command, *site.cloud);
@@ -219,7 +221,9 @@ Command add_visibility_sun(const Options& visibility) {
   auto command = std::make_shared<SunCommand>();
   const Options sun = visibility.command(
       "sun", "Compute hours of direct sun and radiation on points, on the ground or at positions");
-  add_sky_request(sun, *command);
+  add_cloud(sun, command->files, {"--ignore-classes"});
+  add_sky_site_fields(sun, *command);
+  add_run_options(sun, *command);
   add_sun_request(sun, *command);
   add_observer_positions(sun, command->observers);
   sun.group(k_observer_group)

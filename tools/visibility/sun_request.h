@@ -10,7 +10,7 @@
 
 #include "base/date_time.h"
 #include "base/fingerprint.h"
-#include "tools/visibility/sky.h"
+#include "jobs/visibility/sky_site.h"
 #include "tools/visibility/visibility_request.h"
 #include "visibility/sky/sun_hours.h"
 #include "visibility/sky/sun_path.h"
@@ -26,7 +26,9 @@ struct SunDate {
   bool is_day = false;
 };
 
-struct SunCommand : SkyRequest {
+struct SunCommand : jobs::SkySiteRequest {
+  Verbosity verbosity = Verbosity::normal;
+  CommandLine words;
   std::optional<SunDate> from, to;
   double step_minutes = 10.0;
   std::optional<glm::dvec2> location;  ///< latitude, longitude
