@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
-#include <functional>
+#include <cstddef>
+#include <filesystem>
+#include <glm/vec2.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,15 +13,20 @@
 
 #include "base/date_time.h"
 #include "base/fingerprint.h"
+#include "jobs/fields.h"
+#include "jobs/listener.h"
+#include "jobs/visibility/map_request.h"
+#include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/sky_site.h"
-#include "tools/visibility/visibility_request.h"
+#include "jobs/visibility/visibility_cloud.h"
 #include "visibility/sky/sun_hours.h"
+#include "visibility/sky/sun_light.h"
 #include "visibility/sky/sun_path.h"
 #include "visibility/sky/weather.h"
 
-// The options of `visibility sun`, and the path and light of the sun that they describe.
+// The request of the job on the sun, and the path and light of the sun that it describes.
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// A date of --from or --to: a whole day, or a moment.
 struct SunDate {
@@ -26,9 +34,8 @@ struct SunDate {
   bool is_day = false;
 };
 
-struct SunCommand : jobs::SkySiteRequest {
-  Verbosity verbosity = Verbosity::normal;
-  CommandLine words;
+/// Hours of direct sun and radiation of points, of the ground, or at observers.
+struct SunRequest : SkySiteRequest {
   std::optional<SunDate> from, to;
   double step_minutes = 10.0;
   std::optional<glm::dvec2> location;  ///< latitude, longitude
@@ -62,20 +69,20 @@ struct SunSky {
   visibility::SunLight light;
 };
 
-/// Declares the options of the sun.
-void add_sun_request(const Fields& sun, SunCommand& command);
+/// Declares all fields but those of the cloud and of how the job runs.
+void add_sun_fields(const Fields& fields, SunRequest& request);
 
-/// The sun over a site; shows progress. `targets`: the number of receivers, if they are few: every step is
+/// The sun over a site, as one stage. `targets`: the number of receivers, if they are few: every step is
 /// then computed exactly, without bins, up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(),
 /// sun_periods(), Weather.
-std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud& cloud,
+std::unique_ptr<SunSky> sun_of(const SunRequest& request, const VisibilityCloud& cloud, Listener& listener,
                                std::optional<std::size_t> targets = {});
 
-/// Prints where and how long the sun is up, and the energy on open ground.
-void say_sun(const SunCommand& command, const SunSky& sun);
+/// Notes where and how long the sun is up, and the energy on open ground; warns of what is unusual.
+void say_sun(const SunRequest& request, const SunSky& sun, Listener& listener);
 
 /// The settings and steps of the sun, for the metadata of a map.
-MapMetadata sun_metadata(const SunCommand& command, const SunSky& sun);
+MapMetadata sun_metadata(const SunRequest& request, const SunSky& sun);
 
 /// Adds what answers depend on beside the site.
 void add_to_fingerprint(const SunSky& sun, Fingerprint& fingerprint);
@@ -88,7 +95,7 @@ struct SunQuantity {
   float (*value)(const visibility::Radiation& radiation);
 };
 
-/// The quantities that the command writes.
-std::span<const SunQuantity> sun_quantities(const SunCommand& command);
+/// The quantities that the job writes.
+std::span<const SunQuantity> sun_quantities(const SunRequest& request);
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cloud/crs.h"
+#include "geo/raster.h"
+#include "jobs/listener.h"
+#include "jobs/visibility/map_request.h"
+#include "jobs/visibility/sun_request.h"
+#include "visibility/observers.h"
+#include "visibility/sky/sun_hours.h"
+
+namespace alidade::jobs {
+
+/// A checked request.
+class SunPlan {
+ public:
+  const SunRequest& request() const { return request_; }
+
+ private:
+  friend SunPlan plan(const SunRequest& request);
+  explicit SunPlan(const SunRequest& request) : request_(request) {}
+
+  SunRequest request_;
+};
+
+/// Checks all that can be checked before a point is read. Errors: fields that exclude each other, or do not
+/// apply to observers; those of check_given() or check_sky_site().
+SunPlan plan(const SunRequest& request);
+
+/// What receivers get, of which sun_quantities() were written.
+struct SunResult {
+  std::vector<std::string> periods;  ///< their names; one without a name is the whole time
+  std::vector<geo::Raster<visibility::Radiation>> maps;  ///< for each period; NaN hours without ground
+  /// Without maps: of the first point or observer, for each period, then of the next.
+  std::vector<visibility::Radiation> radiation;
+  std::vector<visibility::Observer> observers;  ///< empty: of points
+  Crs crs;
+  MapMetadata metadata;
+};
+
+/// Computes hours and radiation, and writes them. Errors: those of load_sky_site() or load_observers(),
+/// sun_of() and the functions of visibility/sky/sun_hours.h and sky_of_cloud.h; a diagram of several
+/// observers; Cancelled. Memory: the cloud, its surfaces, and that of the library's functions.
+SunResult run(const SunPlan& plan, Listener& listener);
+
+}  // namespace alidade::jobs
