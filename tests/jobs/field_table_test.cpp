@@ -90,6 +90,8 @@ TEST_F(FieldTableTest, wrong_uses_name_the_field) {
   EXPECT_EQ(error_of_giving("overwrite", {"yes"}), "overwrite: expected no value, found 1 values");
   EXPECT_EQ(error_of_giving("cloud", {"a.las"}), "cloud: expected at least 2, found 1 values");
   EXPECT_EQ(error_of_reading(), "missing output; expected FILE");
+  table->give("output", {""});
+  EXPECT_EQ(error_of_reading(), "output: invalid value; expected a file name, found ''");
   table->give("output", {"a.tif"});
   table->give("radius", {"11"});
   EXPECT_EQ(error_of_reading(), "radius: invalid value; expected a number from 0.5 to 10, found '11'");

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include "jobs/visibility/points.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
+#include "jobs/load_cloud.h"
+#include "jobs/visibility/photos.h"
+#include "jobs/visibility/place.h"
+#include "jobs/visibility/summary.h"
+#include "tests/jobs/heard.h"
+#include "tests/support/garden.h"
+
+namespace alidade::test {
+namespace {
+
+/// What jobs on the points of a garden return if nothing is to be written.
+class PointsJobTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::temp_directory_path() / ("alidade_points_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder);
+    write_las(folder / "garden.las", garden(k_metres));
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  template <class Request>
+  Request request() const {
+    Request made;
+    const std::filesystem::path name = folder / "garden.las";
+    made.files = resolve_clouds({&name, 1}, jobs::cloud_formats());
+    return made;
+  }
+
+  std::size_t file_count() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+  }
+
+  std::filesystem::path folder;
+  Heard heard;
+};
+
+const auto k_before = visibility::parse_observer("690005,5325010,601.7");
+const auto k_behind = visibility::parse_observer("690015,5325010,601.7");
+
+TEST_F(PointsJobTest, points_are_seen_or_have_a_blocker) {
+  auto points = request<jobs::PointsRequest>();
+  points.observers.positions = {k_before};
+  const jobs::PointsResult result = run(plan(points), heard);
+  ASSERT_EQ(result.observers.size(), 1u);
+  EXPECT_EQ(result.observers[0].position, glm::dvec3(690005, 5325010, 601.7));
+  EXPECT_FALSE(result.crs.empty());
+  const PointCloud cloud = read_cloud(folder / "garden.las");
+  ASSERT_EQ(result.seen.counts.size(), cloud.size());
+  ASSERT_EQ(result.seen.blockers.size(), 1u);
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    ASSERT_EQ(result.seen.counts[id] == 0, result.seen.blockers[0][id] != visibility::k_no_blocker) << id;
+    if (cloud.positions[id].x < 9500) {
+      ASSERT_EQ(result.seen.counts[id], 1u) << id;
+    }
+  }
+  EXPECT_EQ(heard.text().find("wrote"), std::string::npos) << heard.text();
+  EXPECT_NE(heard.text().find("points are visible ("), std::string::npos) << heard.text();
+  EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(PointsJobTest, lists_can_be_the_only_output) {
+  auto points = request<jobs::PointsRequest>();
+  points.observers.positions = {k_before, k_behind};
+  points.lists = folder / "lists.csv";
+  const jobs::PointsResult result = run(plan(points), heard);
+  std::ifstream file(points.lists);
+  std::size_t lines = 0;
+  for (std::string line; std::getline(file, line);) ++lines;
+  std::size_t pairs = 0;
+  for (const std::uint32_t count : result.seen.counts) pairs += count;
+  EXPECT_EQ(lines, pairs + 1);
+  EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(PointsJobTest, plans_need_no_points) {
+  auto points = request<jobs::PointsRequest>();
+  EXPECT_THROW(plan(points), Error) << "no observers";
+  points.observers.positions = {k_before};
+  points.output = folder / "seen.txt";
+  EXPECT_THROW(plan(points), Error);
+  points.output = folder / "garden.las";
+  EXPECT_THROW(plan(points), Error);
+  auto summary = request<jobs::SummaryRequest>();
+  summary.observers.positions = {k_before};
+  summary.summary.step = 7.0;
+  EXPECT_THROW(plan(summary), Error);
+  auto place = request<jobs::PlaceRequest>();
+  place.curve = folder / "curve.jpg";
+  EXPECT_THROW(plan(place), Error);
+  EXPECT_THROW(plan(request<jobs::PhotosRequest>()), Error) << "no output";
+  EXPECT_TRUE(heard.text().empty());
+  EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(PointsJobTest, each_observer_has_a_summary) {
+  auto summary = request<jobs::SummaryRequest>();
+  summary.observers.positions = {k_before, k_behind};
+  summary.summary.directions = 64;
+  const jobs::SummaryResult result = run(plan(summary), heard);
+  ASSERT_EQ(result.summaries.size(), 2u);
+  ASSERT_EQ(result.observers.size(), 2u);
+  EXPECT_FALSE(result.crs.empty());
+  // The garden is symmetric.
+  EXPECT_GT(result.summaries[0].visible_points, 3000u);
+  EXPECT_NEAR(result.summaries[0].area.visible, result.summaries[1].area.visible,
+              0.05 * result.summaries[0].area.visible);
+  EXPECT_EQ(heard.notes.back(), "2 observers");
+  EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(PointsJobTest, places_are_chosen_or_there_are_none) {
+  auto place = request<jobs::PlaceRequest>();
+  place.candidates.positions = {k_before, k_behind};
+  place.count = 2;
+  const jobs::PlaceResult result = run(plan(place), heard);
+  ASSERT_EQ(result.placement.positions.size(), 2u);
+  EXPECT_EQ(result.candidates.size(), 2u);
+  EXPECT_EQ(result.placement.total, static_cast<double>(result.targets.size()));
+  place.class_weights = {{2, 0.0}, {6, 0.0}};
+  const jobs::PlaceResult none = run(plan(place), heard);
+  EXPECT_TRUE(none.placement.positions.empty());
+  EXPECT_EQ(heard.warnings.back(), "no candidate sees any target with a positive weight; writing nothing");
+  EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(PointsJobTest, photos_have_cameras_and_what_they_see) {
+  std::ofstream(folder / "north.json")
+      << R"({"version":1,"model":"pinhole","width":60,"height":40,"intrinsics":{"vertical_fov":60},)"
+      << R"("pose":{"look_at":{"eye":[690005,5325002,603],"target":[690005,5325015,600],"up":[0,0,1]}}})";
+  auto photos = request<jobs::PhotosRequest>();
+  photos.cameras = folder / "north.json";
+  photos.output = folder / "seen.las";
+  const jobs::PhotosPlan checked = plan(photos);
+  EXPECT_EQ(checked.cameras().cameras.size(), 1u);
+  const jobs::PhotosResult result = run(checked, heard);
+  ASSERT_EQ(result.cameras.size(), 1u);
+  ASSERT_EQ(result.seen.photos.size(), 1u);
+  EXPECT_GT(result.seen.photos[0].points, 100u);
+  EXPECT_EQ(static_cast<std::uint64_t>(std::ranges::count(result.seen.counts, 1u)),
+            result.seen.photos[0].points);
+  EXPECT_EQ(read_cloud(photos.output).size(), result.seen.counts.size());
+}
+
+}  // namespace
+}  // namespace alidade::test
