@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-// Apart from the writing, so that programs that only need the format do not load OpenImageIO.
 #include "image/depth_map.h"
 
 #include <algorithm>

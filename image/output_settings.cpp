@@ -4,8 +4,6 @@
 #include "base/error.h"
 #include "base/words.h"
 
-// Apart from the writing, so that programs that only need the format do not load OpenImageIO.
-
 namespace alidade::image {
 
 std::optional<ImageFormat> image_format(const std::filesystem::path& file) {

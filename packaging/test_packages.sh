@@ -38,7 +38,7 @@ if within sh -c 'cd /root && alidade render yard.las -o yard.png -q' 2>"$folder/
   echo "test_packages.sh: error: a picture was written without what the package only recommends" >&2
   exit 1
 fi
-grep -q 'cannot load the module for images and maps' "$folder/render.log"
+grep -q 'image files and legends require OpenImageIO' "$folder/render.log"
 
 install "$(cd "$folder" && echo python3-alidade_*.deb)" "$(cd "$folder" && echo alidade-sqlite_*.deb)"
 echo "with the modules for Python and SQLite $(($(megabytes) - bare)) MB"

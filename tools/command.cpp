@@ -21,7 +21,7 @@
 #include "geo/crs_library.h"
 #include "geo/gdal_library.h"
 #include "geo/remote_file.h"
-#include "tools/image_module.h"
+#include "image/image_file.h"
 #include "tools/view_options.h"
 
 namespace alidade::tools {
@@ -190,7 +190,7 @@ std::string metadata_command(const CommandLine& words) {
 std::string version_text() {
   std::string module;
   try {
-    module = image_module().image_library() + ", " + geo::library_versions();
+    module = image::library_version() + ", " + geo::library_versions();
   } catch (const std::exception& error) {
     module = error.what();
   }

@@ -9,6 +9,7 @@
 #include "geo/earth.h"
 #include "geo/gdal_library.h"
 #include "image/font.h"
+#include "image/image_file.h"
 #include "jobs/outputs.h"
 #include "visibility/raster/map_targets.h"
 
@@ -109,6 +110,7 @@ void check_map_writing(const MapRequest& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files) {
   geo::load_gdal();
   if (map.preview.empty()) return;
+  image::load_library();
   if (file_extension(map.preview) != ".png")
     throw file_error(map.preview, "unknown output format", "the extension .png");
   check_writable(map.preview, overwrite, other_files);

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "image/backend.h"
+#include "image/image_file.h"
 #include "image/image_file.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
@@ -43,7 +43,7 @@ void check_request(const PlaceRequest& request) {
     throw file_error(request.curve, "unknown output format", "the extension .png");
   check_outputs(outputs, request.overwrite, inputs);
   check_checkpoint(request.checkpoint, request.overwrite, outputs, inputs);
-  if (!request.curve.empty()) image::backend();
+  if (!request.curve.empty()) image::load_library();
 }
 
 std::vector<visibility::PlacementTarget> targets_of(const PlaceRequest& request, const VisibilityCloud& cloud,

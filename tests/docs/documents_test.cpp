@@ -41,8 +41,8 @@ class ReadersFolder {
     fs::create_directories(path_ / "build" / "release");
     fs::create_directories(path_ / "output");
     const fs::path build = ALIDADE_BUILD_FOLDER;
-    for (const char* const made : {"alidade", "alidade_images.so", "alidade_openimageio.so",
-                                   "libalidade_sqlite.so", "examples", "postgres", "python"})
+    for (const char* const made :
+         {"alidade", "alidade_openimageio.so", "libalidade_sqlite.so", "examples", "postgres", "python"})
       if (fs::exists(build / made)) fs::create_symlink(build / made, path_ / "build" / "release" / made);
     for (const char* const part : {"scenes", "docs", "dev", "tests/support"}) {
       fs::create_directories((path_ / part).parent_path());

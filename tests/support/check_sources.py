@@ -32,7 +32,6 @@ WITHOUT_HEADER = {
     "python/python_jobs.cpp": "bindings, added by a function of python/python_cloud.h",
     "python/python_queries.cpp": "bindings, added by a function of python/python_cloud.h",
     "tools/main.cpp": "the program",
-    "tools/image_module_entry.cpp": "the function of the module that tools/image_module.cpp finds by its name",
 }
 # Headers that declare a function for each source of a kind: the beginnings of the function's and the source's name.
 NAMED_BY_FUNCTION = {

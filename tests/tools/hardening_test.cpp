@@ -12,7 +12,7 @@ TEST_F(HardeningTest, program_and_module_are_position_independent_bound_at_start
   GTEST_SKIP() << "sanitizers do more than these flags, which they do not go with";
 #endif
   const std::filesystem::path build = ALIDADE_BUILD_FOLDER;
-  for (const char* const name : {"alidade", "alidade_images.so", "alidade_openimageio.so"}) {
+  for (const char* const name : {"alidade", "alidade_openimageio.so"}) {
     const std::string file = (build / name).string();
     const std::string header = shell_output("readelf -hldW '" + file + "'", folder);
     if (header.empty()) GTEST_SKIP() << "readelf of Debian's binutils is not there";
@@ -32,7 +32,7 @@ TEST_F(HardeningTest, copies_into_buffers_of_known_size_are_checked_in_everythin
   GTEST_SKIP() << "_FORTIFY_SOURCE is for optimized builds without sanitizers";
 #endif
   const std::filesystem::path build = ALIDADE_BUILD_FOLDER;
-  std::vector<std::filesystem::path> files = {build / "alidade", build / "alidade_images.so"};
+  std::vector<std::filesystem::path> files = {build / "alidade"};
   std::error_code error;
   for (const char* const folder_name : {"", "postgres", "python/alidade"})
     for (const auto& entry : std::filesystem::directory_iterator(build / folder_name, error))

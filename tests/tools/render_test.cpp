@@ -168,7 +168,7 @@ TEST_F(RenderCommandTest, missing_part_that_writes_images_is_an_error_before_the
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 2);
-  EXPECT_TRUE(contains(read("said"), "alidade_images")) << read("said");
+  EXPECT_TRUE(contains(read("said"), "alidade_openimageio")) << read("said");
   EXPECT_FALSE(contains(read("said"), "loading cloud")) << read("said");
   EXPECT_EQ(names(), (std::vector<std::string>{"alone", "said", "square.xyz"}));
 }

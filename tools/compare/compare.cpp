@@ -10,13 +10,14 @@
 #include "compare/batch.h"
 #include "compare/change_regions.h"
 #include "compare/comparison.h"
+#include "compare/difference_map.h"
 #include "compare/report/comparison_json.h"
 #include "compare/report/page.h"
+#include "compare/report/report_page.h"
 #include "compare/verdict.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/compare/compare_options.h"
-#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -183,8 +184,8 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
                  const compare::Verdict& verdict, const compare::Verdict& warnings) {
   std::string page;
   if (!request.report.empty())
-    page = image_module().report_page(comparison, verdict,
-                                      request.packing.value_or(image::ImagePacking::automatic), warnings);
+    page = compare::report_page(comparison, verdict, request.packing.value_or(image::ImagePacking::automatic),
+                                warnings);
   std::vector<MapOutput> maps;
   if (comparison.images) maps = maps_to_write(request, *comparison.images);
   std::vector<PointsOutput> points;
@@ -193,7 +194,7 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
     find_points(points, request, request.test_points, comparison.test, *comparison.changes);
   }
   // Maps first: they need a font, which may be missing.
-  for (const MapOutput& map : maps) image_module().write_difference(*map.map, map.file, request.overwrite);
+  for (const MapOutput& map : maps) compare::write_difference(*map.map, map.file, request.overwrite);
   if (!request.report.empty()) write_text_file(request.report, page, request.overwrite);
   for (const PointsOutput& output : points) {
     write_las(output.file, output.points, {.overwrite = request.overwrite});
@@ -207,7 +208,7 @@ ExitCode compare_one(const CompareRequest& request) {
   options.keep_images = !request.report.empty() || request.has_maps();
   const compare::Comparison comparison =
       with_progress("comparing", "pixels", request.verbosity, [&](const Progress& progress) {
-        return image_module().compare_files(request.reference, request.test, options, progress);
+        return compare::compare_files(request.reference, request.test, options, progress);
       });
   const compare::Verdict verdict = compare::judge(comparison, request.fail_above),
                          warnings = compare::judge(comparison, request.warn_above);
@@ -236,7 +237,7 @@ ExitCode compare_many(const CompareRequest& request) {
                                       .kept = {request.pairs, request.comparison.mask, request.report}};
   const std::vector<compare::PairOutcome> outcomes = with_progress(
       "comparing", "pairs", request.verbosity,
-      [&](const Progress& progress) { return image_module().compare_pairs(pairs, options, progress); });
+      [&](const Progress& progress) { return compare::compare_pairs(pairs, options, progress); });
   if (!request.report.empty()) {
     const bool is_table = !request.pairs.empty();
     const std::string page =

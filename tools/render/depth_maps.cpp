@@ -13,8 +13,8 @@
 #include "base/output_file.h"
 #include "base/shown_text.h"
 #include "base/words.h"
+#include "image/image_file.h"
 #include "renderer/depth_tracer.h"
-#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -254,11 +254,11 @@ void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const
       if (!job.file.empty()) {
         const std::vector<float> values = image::depth_values(depths, plan.format, plan.scale, loss);
         sees_anything = std::ranges::any_of(values, [](float depth) { return depth != 0.0f; });
-        image_module().write_depth_map(values, film.width, film.height, plan.format,
-                                       texts_of(metadata(job.view), plan), job.file, plan.overwrite);
+        image::write_depth_map(values, film.width, film.height, plan.format,
+                               texts_of(metadata(job.view), plan), job.file, plan.overwrite);
       }
       if (!job.mask.empty())
-        image_module().write_depth_mask(depths, film.width, film.height, job.mask, plan.overwrite);
+        image::write_depth_mask(depths, film.width, film.height, job.mask, plan.overwrite);
       empty.check(job.view, sees_anything);
     }
     line.finish();

@@ -6,8 +6,8 @@
 
 #include "base/words.h"
 #include "geo/sun.h"
+#include "image/read_image.h"
 #include "renderer/integrator.h"
-#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -167,7 +167,7 @@ void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file
   if (sky == nullptr) return;
   image::SkyPixels pixels;
   try {
-    pixels = image_module().read_sky_image(sky->file);
+    pixels = image::read_sky_image(sky->file);
   } catch (const Error& error) {
     Error::Parts parts = error.parts();
     parts.problem += fmt::format(" (at /sky/file of {})", scene_file.string());

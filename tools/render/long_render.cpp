@@ -4,12 +4,13 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "base/checkpoint.h"
 #include "base/output_file.h"
 #include "base/shown_text.h"
+#include "image/image_file.h"
 #include "renderer/checkpoint.h"
 #include "renderer/merge_parts.h"
 #include "renderer/noise.h"
-#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -61,7 +62,7 @@ class PreviewFile {
 
   void show(const image::Film& film) {
     try {
-      image_module().write_image(film, settings_, renderer::image_facts(metadata_, settings_), true);
+      image::write_image(film, settings_, renderer::image_facts(metadata_, settings_), true);
     } catch (const Error& error) {
       if (!warned_) say_warning(std::string("no preview: ") + error.what());
       warned_ = true;
@@ -240,7 +241,7 @@ std::optional<image::Film> render_to_file(const LongRenderRequest& request, cons
   }
   image::Film film = renderer::render(scene, cloud, options, &statistics);
   for (auto& text : reached_texts(request, statistics)) metadata.further.push_back(std::move(text));
-  image_module().write_image(film, scene.output, renderer::image_facts(metadata, scene.output), overwrite);
+  image::write_image(film, scene.output, renderer::image_facts(metadata, scene.output), overwrite);
   return film;
 }
 

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "base/shown_text.h"
+#include "image/image_file.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 #include "tools/options.h"
 
 namespace alidade::tools {
@@ -23,7 +23,7 @@ ExitCode run(const MergeRequest& request) {
   image::check_image_name(request.output);
   check_writable(request.output, request.overwrite, request.parts);
   const renderer::MergedImage merged = renderer::merge_parts(request.parts, request.output);
-  image_module().write_image(merged.film, merged.output, merged.facts, request.overwrite);
+  image::write_image(merged.film, merged.output, merged.facts, request.overwrite);
   say_note(request.verbosity,
            fmt::format("{} parts, {} camera rays; wrote {}", merged.parts,
                        short_count(static_cast<double>(merged.samples_taken)), request.output.string()));

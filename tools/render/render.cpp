@@ -9,15 +9,16 @@
 
 #include "base/error.h"
 #include "base/shown_text.h"
+#include "geo/gdal_library.h"
 #include "image/color_points.h"
 #include "image/image_file.h"
+#include "image/legend.h"
 #include "jobs/mesh_files.h"
 #include "renderer/cloud_in_view.h"
 #include "renderer/mesh_surfaces.h"
 #include "renderer/overview.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 #include "tools/render/light_and_color.h"
 #include "tools/render/long_render.h"
 #include "tools/render/render_options.h"
@@ -444,7 +445,11 @@ ExitCode run(const RenderCommand& given) {
   if (!images.empty()) resumed = find_resumption(command.long_render, list.files(), list.finished, verbosity);
   if (verbosity != Verbosity::quiet) warn_of_few_samples(command.long_render, scene.render.samples);
   // Before the work, so that a program that cannot write images does not render for hours first.
-  image_module();
+  image::load_library();
+  const auto is_map = [](const RequestedImage& image) {
+    return image::image_format(image.file) == image::ImageFormat::geotiff;
+  };
+  if (std::ranges::any_of(images, is_map)) geo::load_gdal();
   const bool wants_legend = is_wanted(command.color.legend, command, resumed.has_value());
   if (wants_legend) check_legend_file(command, scene, images);
   if (verbosity == Verbosity::verbose)
@@ -497,8 +502,7 @@ ExitCode run(const RenderCommand& given) {
     say_note(verbosity, fmt::format("exposure {:+.2f} stops (--exposure)", scene.output.exposure));
   }
   if (wants_legend)
-    image_module().write_legend(cloud->color, command.color.legend, command.color.legend_size,
-                                command.overwrite);
+    image::write_legend(cloud->color, command.color.legend, command.color.legend_size, command.overwrite);
 
   renderer::RenderStatistics statistics;
   try {

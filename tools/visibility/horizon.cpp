@@ -9,13 +9,14 @@
 #include "cloud/axis_units.h"
 #include "geo/earth.h"
 #include "geo/gdal_library.h"
+#include "image/image_file.h"
 #include "jobs/visibility/row_output.h"
 #include "renderer/image_metadata.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 #include "tools/visibility/visibility_request.h"
 #include "visibility/horizon/skyline.h"
+#include "visibility/horizon/skyline_image.h"
 #include "visibility/sky/sky_view.h"
 
 namespace alidade::tools {
@@ -138,7 +139,7 @@ void write_image(const HorizonCommand& command, const VisibilityCloud& cloud, co
   const visibility::SkylineTexts texts{
       fmt::format("Skyline from {:.2f}, {:.2f}, {:.2f}", eye.x, eye.y, eye.z), sky_text(view.facts.sky),
       height_unit_label(cloud.cloud.cloud.crs)};
-  image_module().write_skyline(strip, view.line, texts, command.skyline, command.overwrite);
+  visibility::write_skyline(strip, view.line, texts, command.skyline, command.overwrite);
 }
 
 void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
@@ -159,7 +160,7 @@ void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, co
   for (const CloudFile& file : cloud.cloud.cloud.files) metadata.cloud_files.push_back(kept_name(file.path));
   metadata.cloud_offset = cloud.octree().lattice().offset;
   metadata.crs = cloud.cloud.cloud.crs;
-  image_module().write_image(film, output, renderer::image_facts(metadata, output), command.overwrite);
+  image::write_image(film, output, renderer::image_facts(metadata, output), command.overwrite);
 }
 
 void say_findings(const HorizonCommand& command, const View& view) {
@@ -184,7 +185,7 @@ void say_findings(const HorizonCommand& command, const View& view) {
 ExitCode run(const HorizonCommand& command) {
   check_options(command);
   // Fails before the work if what writes the output is missing.
-  if (!command.skyline.empty() || !command.depth.empty()) image_module();
+  if (!command.skyline.empty() || !command.depth.empty()) image::load_library();
   if (is_geojson(command.output)) geo::load_gdal();
   Console console(command.verbosity);
   check_given(command.observers);
