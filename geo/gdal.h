@@ -78,7 +78,7 @@ GdalFunction<Result, Arguments...> like(Result (*function)(Arguments...));
   X(OGR_G_GetGeometryCount) X(OGR_G_GetGeometryRef) X(OGR_G_GetGeometryType) X(OGR_G_GetLinearGeometry) \
   X(OGR_G_GetPointCount) X(OGR_G_GetX) X(OGR_G_GetY) X(OGR_G_GetZ) X(OGR_G_Is3D) X(OGR_G_IsEmpty) \
   X(OSRClone) X(OSRExportToPROJJSON) X(OSRExportToWktEx) X(OSRGetAttrValue) X(OSRGetAuthorityCode) \
-  X(OSRGetAxesCount) X(OSRGetAxis) X(OSRGetLinearUnits) X(OSRGetName) X(OSRGetPROJVersion) \
+  X(OSRGetAxesCount) X(OSRGetAxis) X(OSRGetLinearUnits) X(OSRGetName) \
   X(OSRImportFromEPSG) X(OSRImportFromWkt) X(OSRIsGeocentric) X(OSRIsLocal) X(OSRIsProjected) \
   X(OSRIsSame) X(OSRIsSameEx) X(OSRNewSpatialReference) X(OSRRelease) X(OSRSetAxisMappingStrategy) \
   X(OSRSetCompoundCS) X(OSRSetFromUserInput) X(OSRSetLocalCS) X(OSRStripVertical) X(OCTClone) \

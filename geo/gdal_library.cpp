@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "geo/gdal_library.h"
 
-#include <fmt/format.h>
+#include <gdal_version.h>
 
 #include "base/shared_library.h"
 #include "geo/gdal.h"
@@ -20,10 +20,8 @@ void load_gdal() {
   gdal_function("GDALVersionInfo");
 }
 
-std::string library_versions() {
-  int major = 0, minor = 0, patch = 0;
-  OSRGetPROJVersion(&major, &minor, &patch);
-  return fmt::format("GDAL {}, PROJ {}.{}.{}", GDALVersionInfo("RELEASE_NAME"), major, minor, patch);
+std::string library_version() {
+  return "GDAL " GDAL_RELEASE_NAME;
 }
 
 }  // namespace alidade::geo

@@ -13,8 +13,8 @@ void* gdal_function(const char* name);
 /// Loads GDAL, for callers that work for long before they write a map. Errors: those of gdal_function().
 void load_gdal();
 
-/// "GDAL 3.6.2, PROJ 9.1.1": the libraries that read and write maps, and transform between systems. Errors:
-/// those of gdal_function().
-std::string library_versions();
+/// "GDAL 3.6.2": the library, with PROJ, that reads and writes maps and transforms between systems, of the
+/// version whose headers were compiled. Does not load it.
+std::string library_version();
 
 }  // namespace alidade::geo

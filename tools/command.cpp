@@ -188,20 +188,15 @@ std::string metadata_command(const CommandLine& words) {
 }
 
 std::string version_text() {
-  std::string module;
-  try {
-    module = image::library_version() + ", " + geo::library_versions();
-  } catch (const std::exception& error) {
-    module = error.what();
-  }
   return fmt::format("alidade " ALIDADE_VERSION
                      "\ninstruction set: {}\ncompiler: {}\nlibraries: oneTBB {}.{}, Highway {}.{}.{}, fmt "
                      "{}.{}.{}, SQLite {}, "
-                     "nlohmann_json {}.{}.{}, CLI11 {}\nimages and maps: {}\n",
+                     "nlohmann_json {}.{}.{}, CLI11 {}\nloaded when needed: {}, {}\n",
                      name(best_instruction_set()), __VERSION__, TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
                      HWY_MAJOR, HWY_MINOR, HWY_PATCH, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
                      FMT_VERSION % 100, sqlite3_libversion(), NLOHMANN_JSON_VERSION_MAJOR,
-                     NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION, module);
+                     NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION,
+                     image::library_version(), geo::library_version());
 }
 
 ExitCode run_program(const CommandLine& command_line) {

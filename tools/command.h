@@ -111,8 +111,8 @@ Command add_formats(const Options& program);
 Command add_manual(const Options& program);
 
 /// The output of 'alidade --version': the version in its first line, then the instruction set that queries
-/// use on this machine, the compiler, and the libraries that are linked, those of the module for images and
-/// maps last.
+/// use on this machine, the compiler, and the libraries that were compiled in, those that are loaded when
+/// needed last.
 std::string version_text();
 
 /// Runs a command line, whose first word is the program's name. Errors: those of the commands.

@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "image/image_file.h"
-#include "image/image_file.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
