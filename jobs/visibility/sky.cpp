@@ -56,9 +56,11 @@ SkyViews point_sky(const SkyRequest& request, const VisibilityCloud& cloud, Long
                                            {progress, parts});
       });
   const auto value = [&views](std::size_t id) { return views[id]; };
-  write_points(request.output, cloud.cloud,
-               {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
-               request.overwrite, request.memory, listener);
+  if (!request.output.empty()) {
+    write_points(request.output, cloud.cloud,
+                 {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
+                 request.overwrite, request.memory, listener);
+  }
   std::string summary = range_and_mean(value, views.size());
   return {{std::move(views), cloud.cloud.cloud.crs, {}}, std::move(summary)};
 }
@@ -86,7 +88,8 @@ SkyResult run(const SkyPlan& plan, Listener& listener) {
   SkyViews views = request.is_map() ? map_sky(request, site, long_run)
                                     : point_sky(request, *site.cloud, long_run, listener);
   long_run.finish();
-  listener.note(fmt::format("sky-view factors {}; wrote {}", views.summary, request.output.string()));
+  listener.note(fmt::format("sky-view factors {}{}{}", views.summary,
+                            request.output.empty() ? "" : "; wrote ", request.output.string()));
   return std::move(views.result);
 }
 

@@ -36,7 +36,7 @@ class SkyPlan {
 /// Checks all that can be checked before a point is read. Errors: those of check_sky_site().
 SkyPlan plan(const SkyRequest& request);
 
-/// Sky-view factors as they were written.
+/// Sky-view factors.
 struct SkyResult {
   /// By point id, or of the cells, k_no_float without ground.
   std::variant<std::vector<float>, geo::Raster<float>> views;
@@ -44,9 +44,9 @@ struct SkyResult {
   MapMetadata metadata;  ///< of a map
 };
 
-/// Computes the factors and writes them. Errors: those of load_sky_site(), point_sky_views() or
-/// ground_sky_views() of visibility/sky/sky_of_cloud.h, and write_points(); Cancelled. Memory: the cloud, its
-/// surfaces, and that of the library's functions.
+/// Computes the factors, and writes them where the request has an output. Errors: those of load_sky_site(),
+/// point_sky_views() or ground_sky_views() of visibility/sky/sky_of_cloud.h, and write_points(); Cancelled.
+/// Memory: the cloud, its surfaces, and that of the library's functions.
 SkyResult run(const SkyPlan& plan, Listener& listener);
 
 }  // namespace alidade::jobs

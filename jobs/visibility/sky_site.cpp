@@ -16,7 +16,7 @@
 namespace alidade::jobs {
 
 bool SkySiteRequest::is_map() const {
-  return has_extension(output, {".tif", ".tiff"});
+  return output.empty() ? !given_map_field(map).empty() : has_extension(output, {".tif", ".tiff"});
 }
 
 void add_sky_site_fields(const Fields& fields, SkySiteRequest& request) {
@@ -47,12 +47,12 @@ void check_sky_site(const SkySiteRequest& request) {
     throw input_error(option + " does not apply to this output", kind);
   };
   if (!request.is_map()) {
-    if (!has_extension(request.output, {".las", ".laz", ".ply"}))
+    if (!request.output.empty() && !has_extension(request.output, {".las", ".laz", ".ply"}))
       throw file_error(request.output, "unknown output format", "the extension .las, .laz, .ply or .tif");
     if (const std::string option = given_map_field(request.map); !option.empty())
       reject(option, "a map (.tif)");
   }
-  check_writable(request.output, request.overwrite, request.inputs());
+  if (!request.output.empty()) check_writable(request.output, request.overwrite, request.inputs());
   check_checkpoint(request.checkpoint, request.overwrite, {{request.output, request.map.preview}},
                    request.inputs());
   if (request.is_map()) check_map_writing(request.map, request.overwrite, request.inputs({request.output}));
@@ -100,7 +100,7 @@ MapMetadata write_sky_map(const SkySiteRequest& request, const SkySite& site, st
   contents.metadata.emplace_back("alidade_target_height",
                                  fmt::format("{:g}", request.map.target_height.value_or(0.0)));
   contents.metadata.emplace_back("alidade_max_distance", fmt::format("{:g}", request.max_distance));
-  geo::write_raster(request.output, contents, request.overwrite);
+  if (!request.output.empty()) geo::write_raster(request.output, contents, request.overwrite);
   return contents.metadata;
 }
 

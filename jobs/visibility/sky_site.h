@@ -24,14 +24,15 @@
 
 namespace alidade::jobs {
 
-/// What both are requested with. The output is required: its extension decides what receives light.
+/// What both are requested with. Without an output nothing but what other fields name is written.
 struct SkySiteRequest : VisibilityRequest {
   std::optional<visibility::SkyReceiver> receiver;  ///< empty: surfaces of points, horizontal cells
   MapRequest map;                                   ///< maps only
   CheckpointRequest checkpoint;
   double max_distance = std::numeric_limits<double>::infinity();
 
-  /// Whether the answers are for cells, by the extension of the output.
+  /// Whether the answers are for cells: by the extension of the output; without one, if a field of maps is
+  /// given.
   bool is_map() const;
 };
 
@@ -63,9 +64,9 @@ struct SkyBand {
   std::string description, unit;
 };
 
-/// Writes a map as GeoTIFF, and the image of its first band if one is requested. `metadata`: beside that of
-/// all maps. `image`: without values and unit. Replaces NaN in the bands by k_no_float. Returns the metadata
-/// of the map.
+/// Writes a map as GeoTIFF if there is an output, and the image of its first band if one is requested.
+/// `metadata`: beside that of all maps. `image`: without values and unit. Replaces NaN in the bands by
+/// k_no_float. Returns the metadata of the map.
 MapMetadata write_sky_map(const SkySiteRequest& request, const SkySite& site, std::span<const SkyBand> bands,
                           const MapMetadata& metadata, visibility::MapImage image);
 

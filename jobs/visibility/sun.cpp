@@ -74,6 +74,22 @@ SunAnswers map_sun(const SunRequest& request, const SkySite& site, const SunSky&
           std::move(summary)};
 }
 
+void write_columns(const SunRequest& request, const VisibilityCloud& cloud, const SunSky& sun,
+                   std::span<const visibility::Radiation> answers, Listener& listener) {
+  const std::size_t periods = sun.periods.size();
+  std::vector<ResultColumn> columns;
+  for (std::size_t period = 0; period < periods; ++period) {
+    for (const SunQuantity& quantity : sun_quantities(request)) {
+      columns.push_back(result_column<float>(name_of(quantity, sun.periods[period]), quantity.text,
+                                             ScalarType::float32,
+                                             [answers, &quantity, period, periods](std::size_t id) {
+                                               return quantity.value(answers[id * periods + period]);
+                                             }));
+    }
+  }
+  write_points(request.output, cloud.cloud, columns, request.overwrite, request.memory, listener);
+}
+
 SunAnswers point_sun(const SunRequest& request, const VisibilityCloud& cloud, const SunSky& sun,
                      LongRun& long_run, Listener& listener) {
   std::vector<visibility::Radiation> answers =
@@ -83,17 +99,7 @@ SunAnswers point_sun(const SunRequest& request, const VisibilityCloud& cloud, co
                                            {progress, parts});
       });
   const std::size_t periods = sun.periods.size();
-  std::vector<ResultColumn> columns;
-  for (std::size_t period = 0; period < periods; ++period) {
-    for (const SunQuantity& quantity : sun_quantities(request)) {
-      columns.push_back(result_column<float>(name_of(quantity, sun.periods[period]), quantity.text,
-                                             ScalarType::float32,
-                                             [&answers, &quantity, period, periods](std::size_t id) {
-                                               return quantity.value(answers[id * periods + period]);
-                                             }));
-    }
-  }
-  write_points(request.output, cloud.cloud, columns, request.overwrite, request.memory, listener);
+  if (!request.output.empty()) write_columns(request, cloud, sun, answers, listener);
   std::string summary =
       range_and_mean([&](std::size_t id) { return answers[id * periods].hours; }, answers.size() / periods);
   return {{.periods = sun.periods,
@@ -114,7 +120,7 @@ void check_observer_fields(const SunRequest& request) {
   if (request.receiver == visibility::SkyReceiver::surface)
     throw input_error("--receiver surface does not apply to --observer", "--tilt and --aspect");
   if (!request.checkpoint.file.empty()) reject("--checkpoint");
-  load_row_writer(request.output);
+  if (!request.output.empty()) load_row_writer(request.output);
   if (!request.diagram.empty() && !has_extension(request.diagram, {".png"}))
     throw file_error(request.diagram, "unknown output format", "the extension .png");
   const std::filesystem::path outputs[] = {request.output, request.diagram};
@@ -205,9 +211,11 @@ SunResult run_observers(const SunRequest& request, Listener& listener) {
   visibility::sun_hours(*cloud->occluders, targets, sun->light,
                         request.hours_options(visibility::SkyReceiver::horizontal), answers);
   MapMetadata metadata = sun_metadata(request, *sun);
-  write_table(request, *cloud, table_of(request, *sun, observers, answers), metadata, listener);
+  if (!request.output.empty())
+    write_table(request, *cloud, table_of(request, *sun, observers, answers), metadata, listener);
   if (!request.diagram.empty()) write_diagram(request, *cloud, *sun, observers.front(), listener);
-  listener.note(fmt::format("wrote {} rows to {}", answers.size(), request.output.string()));
+  if (!request.output.empty())
+    listener.note(fmt::format("wrote {} rows to {}", answers.size(), request.output.string()));
   return {.periods = sun->periods,
           .maps = {},
           .radiation = std::move(answers),
@@ -249,7 +257,8 @@ SunResult run(const SunPlan& plan, Listener& listener) {
   SunAnswers answers = request.is_map() ? map_sun(request, site, *sun, long_run)
                                         : point_sun(request, *site.cloud, *sun, long_run, listener);
   long_run.finish();
-  listener.note(fmt::format("hours of sun {}; wrote {}", answers.summary, request.output.string()));
+  listener.note(fmt::format("hours of sun {}{}{}", answers.summary, request.output.empty() ? "" : "; wrote ",
+                            request.output.string()));
   return std::move(answers.result);
 }
 

@@ -30,7 +30,7 @@ class SunPlan {
 /// apply to observers; those of check_given() or check_sky_site().
 SunPlan plan(const SunRequest& request);
 
-/// What receivers get, of which sun_quantities() were written.
+/// What receivers get, of which sun_quantities() are for files.
 struct SunResult {
   std::vector<std::string> periods;  ///< their names; one without a name is the whole time
   std::vector<geo::Raster<visibility::Radiation>> maps;  ///< for each period; NaN hours without ground
@@ -41,9 +41,10 @@ struct SunResult {
   MapMetadata metadata;
 };
 
-/// Computes hours and radiation, and writes them. Errors: those of load_sky_site() or load_observers(),
-/// sun_of() and the functions of visibility/sky/sun_hours.h and sky_of_cloud.h; a diagram of several
-/// observers; Cancelled. Memory: the cloud, its surfaces, and that of the library's functions.
+/// Computes hours and radiation, and writes them where the request has an output. Errors: those of
+/// load_sky_site() or load_observers(), sun_of() and the functions of visibility/sky/sun_hours.h and
+/// sky_of_cloud.h; a diagram of several observers; Cancelled. Memory: the cloud, its surfaces, and that of
+/// the library's functions.
 SunResult run(const SunPlan& plan, Listener& listener);
 
 }  // namespace alidade::jobs
