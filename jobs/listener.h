@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -42,6 +43,38 @@ class Listener {
   virtual std::unique_ptr<Stage> begin(std::string task, std::string unit) = 0;
   /// Whether the job is to stop. Called from many threads at once.
   virtual bool stops() const = 0;
+};
+
+/// Keeps notes, warnings and stages of a part of the work from `other`, which can still stop it.
+class SilentListener : public Listener {
+ public:
+  /// `other` must outlive this object.
+  explicit SilentListener(Listener& other) : other_(other) {}
+
+  void note(std::string_view) override {}
+  void warn(std::string_view) override {}
+  void warn_always(std::string_view text) override { other_.warn_always(text); }
+  bool is_listening() const override { return false; }
+  std::unique_ptr<Stage> begin(std::string, std::string) override {
+    return std::make_unique<SilentStage>(other_);
+  }
+  bool stops() const override { return other_.stops(); }
+
+ private:
+  class SilentStage : public Stage {
+   public:
+    explicit SilentStage(const Listener& other) : other_(other) {}
+    Progress callback() override {
+      return [&other = other_](std::uint64_t, std::uint64_t) { return !other.stops(); };
+    }
+    void skip(std::uint64_t) override {}
+    void finish() override {}
+
+   private:
+    const Listener& other_;
+  };
+
+  Listener& other_;
 };
 
 /// Warns of each text.

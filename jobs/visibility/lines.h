@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "jobs/checkpoint_request.h"
+#include "jobs/fields.h"
+#include "jobs/listener.h"
+#include "jobs/visibility/visibility_cloud.h"
+#include "visibility/lines/line_files.h"
+#include "visibility/observers.h"
+
+namespace alidade::jobs {
+
+/// The ends of lines of sight.
+struct PairRequest {
+  std::filesystem::path pairs, places;  ///< --pairs, --places; empty: none
+  std::string places_crs;
+  visibility::ObserverDefaults defaults;  ///< --end-height
+};
+
+/// Lines of sight between pairs of positions.
+struct LinesRequest : VisibilityRequest {
+  PairRequest pairs;
+  std::optional<double> frequency;                    ///< Hz
+  std::optional<std::optional<double>> earth_factor;  ///< empty inside: off
+  double end_margin = 0.0;
+  CheckpointRequest checkpoint;
+};
+
+/// Declares all fields but those of the cloud and of how the job runs.
+void add_lines_fields(const Fields& fields, LinesRequest& request);
+
+/// A checked request.
+class LinesPlan {
+ public:
+  const LinesRequest& request() const { return request_; }
+
+ private:
+  friend LinesPlan plan(const LinesRequest& request);
+  explicit LinesPlan(const LinesRequest& request) : request_(request) {}
+
+  LinesRequest request_;
+};
+
+/// Checks all that can be checked before a point is read. Errors: no lines; --places-crs alone; files that
+/// cannot be replaced or written.
+LinesPlan plan(const LinesRequest& request);
+
+/// What was found of every line.
+struct LinesResult {
+  std::unique_ptr<const VisibilityCloud> cloud;  ///< holds the classes of `table`; without occluders
+  visibility::LineTable table;
+};
+
+/// Tests the lines, and writes them where the request has an output. Errors: those of load_cloud_alone(),
+/// read_pair_table() and load_observers(); names of no position, or of two; coordinates beside --places; a
+/// single position; a frequency or a bent line without a linear unit; a margin that leaves nothing of a line;
+/// too many lines for the memory; those of visibility::report_lines(); Cancelled.
+LinesResult run(const LinesPlan& plan, Listener& listener);
+
+}  // namespace alidade::jobs
