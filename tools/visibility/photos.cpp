@@ -9,7 +9,7 @@ namespace alidade::tools {
 namespace {
 
 /// ExitCode::no if no photo sees a point.
-ExitCode show(const jobs::PhotosPlan&, const jobs::PhotosResult& result) {
+ExitCode photos_code(const jobs::PhotosPlan&, const jobs::PhotosResult& result) {
   const auto sees = [](const visibility::PhotoSummary& photo) { return photo.points > 0; };
   return std::ranges::any_of(result.seen.photos, sees) ? ExitCode::done : ExitCode::no;
 }
@@ -23,7 +23,7 @@ Command add_visibility_photos(const Options& visibility) {
   add_cloud(photos, command->request.files, {"--ignore-classes"});
   jobs::add_photos_fields(photos, command->request);
   add_run_options(photos, command->request.partial, command->request.threads, command->verbosity);
-  return job_command(photos, command, show);
+  return job_command(photos, command, photos_code);
 }
 
 }  // namespace alidade::tools

@@ -7,7 +7,7 @@ namespace alidade::tools {
 namespace {
 
 /// ExitCode::no if no candidate sees a target.
-ExitCode show(const jobs::PlacePlan&, const jobs::PlaceResult& result) {
+ExitCode place_code(const jobs::PlacePlan&, const jobs::PlaceResult& result) {
   return result.placement.positions.empty() ? ExitCode::no : ExitCode::done;
 }
 
@@ -19,7 +19,7 @@ Command add_visibility_place(const Options& visibility) {
   add_cloud(place, command->request.files, {"--ignore-classes"});
   jobs::add_place_fields(place, command->request);
   add_run_options(place, command->request.partial, command->request.threads, command->verbosity);
-  return job_command(place, command, show);
+  return job_command(place, command, place_code);
 }
 
 }  // namespace alidade::tools
