@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <bitset>
+#include <cstddef>
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cloud/cloud_inputs.h"
+#include "jobs/fields.h"
+#include "jobs/listener.h"
+#include "visibility/change/change.h"
+
+namespace alidade::jobs {
+
+/// One of the two epochs.
+struct EpochRequest {
+  const char* name;          ///< "BEFORE"
+  const char* option;        ///< "--origin-before"
+  const char* files_option;  ///< "--origins-before"
+  CloudInputs files{};
+  std::vector<glm::dvec3> origins{};
+  std::filesystem::path origins_file{};  ///< empty: none
+};
+
+/// What has changed between two scans of one site.
+struct ChangeRequest {
+  EpochRequest before{"BEFORE", "--origin-before", "--origins-before"};
+  EpochRequest after{"AFTER", "--origin-after", "--origins-after"};
+  visibility::ChangeOptions options;
+  std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
+  std::filesystem::path output;       ///< empty: none
+  std::optional<std::size_t> memory;  ///< of scratch_beside() the output
+  bool no_sight = false, overwrite = false;
+  bool partial = false;        ///< damaged files are read in part: ReadOptions::partial
+  std::optional<int> threads;  ///< empty: as many as the machine has
+  std::string command;         ///< the request in words
+};
+
+/// Declares all fields but those of the clouds, of how the job runs, and of add_change_writing().
+void add_change_fields(const Fields& fields, ChangeRequest& request);
+
+/// Declares --overwrite and --memory.
+void add_change_writing(const Fields& fields, ChangeRequest& request);
+
+/// A checked request.
+class ChangePlan {
+ public:
+  const ChangeRequest& request() const { return request_; }
+
+ private:
+  friend ChangePlan plan(const ChangeRequest& request);
+  explicit ChangePlan(const ChangeRequest& request) : request_(request) {}
+
+  ChangeRequest request_;
+};
+
+/// Checks all that can be checked before a point is read. Errors: an output of an unknown format, or that
+/// cannot be replaced or written.
+ChangePlan plan(const ChangeRequest& request);
+
+/// The findings of one epoch.
+struct EpochResult {
+  visibility::PointChanges points;
+  std::vector<visibility::ChangeSummary> classes;  ///< in the order of visibility::ChangeClass
+};
+
+struct ChangeResult {
+  EpochResult before, after;
+};
+
+/// Compares the clouds, and writes the points of both where the request has an output. Errors: those of
+/// load_cloud() and check_map_unit(); an empty cloud; unknown scanner positions without `no_sight`; clouds in
+/// different reference systems; those of visibility::find_changes(); Cancelled. Memory: both clouds, their
+/// surfaces, and that of visibility::find_changes().
+ChangeResult run(const ChangePlan& plan, Listener& listener);
+
+}  // namespace alidade::jobs
