@@ -135,17 +135,6 @@ ExitCode run_chosen(const std::vector<Command>& commands, const CommandLine& wor
                                                        : command.run(words);
 }
 
-Command add_visibility(const Options& program) {
-  const Options visibility =
-      program.command("visibility", "Compute visibility on the points").require_command();
-  return {visibility,
-          {},
-          {add_visibility_points(visibility), add_visibility_raster(visibility),
-           add_visibility_horizon(visibility), add_visibility_sky(visibility), add_visibility_sun(visibility),
-           add_visibility_lines(visibility), add_visibility_place(visibility),
-           add_visibility_summary(visibility), add_visibility_photos(visibility)}};
-}
-
 }  // namespace
 
 std::optional<int> enough_threads(std::span<const std::string> words, std::uint64_t memory) {

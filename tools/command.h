@@ -105,6 +105,7 @@ Command add_query(const Options& program);
 Command add_render(const Options& program);
 Command add_merge(const Options& program);
 Command add_compare(const Options& program);
+Command add_visibility(const Options& program);
 Command add_change(const Options& program);
 Command add_sql(const Options& program);
 Command add_formats(const Options& program);
@@ -122,17 +123,5 @@ ExitCode run_program(const CommandLine& command_line);
 Command add_sql_load(const Options& sql);
 Command add_sql_rewrite(const Options& sql);
 Command add_sql_shard_plan(const Options& sql);
-
-// The commands of `alidade visibility`.
-
-Command add_visibility_lines(const Options& visibility);
-Command add_visibility_photos(const Options& visibility);
-Command add_visibility_place(const Options& visibility);
-Command add_visibility_summary(const Options& visibility);
-Command add_visibility_points(const Options& visibility);
-Command add_visibility_raster(const Options& visibility);
-Command add_visibility_horizon(const Options& visibility);
-Command add_visibility_sky(const Options& visibility);
-Command add_visibility_sun(const Options& visibility);
 
 }  // namespace alidade::tools

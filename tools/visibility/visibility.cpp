@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// The commands of `alidade visibility`, all of which are jobs.
+#include <algorithm>
+
+#include "jobs/visibility/horizon.h"
+#include "jobs/visibility/lines.h"
+#include "jobs/visibility/photos.h"
+#include "jobs/visibility/place.h"
+#include "jobs/visibility/points.h"
+#include "jobs/visibility/raster.h"
+#include "jobs/visibility/sky.h"
+#include "jobs/visibility/summary.h"
+#include "jobs/visibility/sun.h"
+#include "tools/command.h"
+
+namespace alidade::tools {
+namespace {
+
+/// ExitCode::no if no candidate sees a target.
+ExitCode place_code(const jobs::PlacePlan&, const jobs::PlaceResult& result) {
+  return result.placement.positions.empty() ? ExitCode::no : ExitCode::done;
+}
+
+/// ExitCode::no if no photo sees a point.
+ExitCode photos_code(const jobs::PhotosPlan&, const jobs::PhotosResult& result) {
+  const auto sees = [](const visibility::PhotoSummary& photo) { return photo.points > 0; };
+  return std::ranges::any_of(result.seen.photos, sees) ? ExitCode::done : ExitCode::no;
+}
+
+/// The rows of a horizon without an output.
+ExitCode show_horizon(const jobs::HorizonPlan& plan, const jobs::HorizonResult& result) {
+  if (plan.request().output.empty()) write_to_stdout(visibility::horizon_csv(result.line));
+  return ExitCode::done;
+}
+
+/// A command of one cloud whose fields `add_fields` declares.
+template <class Request, class... Show>
+Command command_on_cloud(const Options& options, void (*add_fields)(const Fields&, Request&), Show... show) {
+  const auto command = std::make_shared<JobCommand<Request>>();
+  Request& request = command->request;
+  add_cloud(options, request.files, {"--ignore-classes"});
+  add_fields(options, request);
+  add_run_options(options, request.partial, request.threads, command->verbosity);
+  return job_command(options, command, show...);
+}
+
+}  // namespace
+
+Command add_visibility(const Options& program) {
+  const Options group = program.command("visibility", "Compute visibility on the points").require_command();
+  const auto named = [&](const char* name, const char* description) {
+    return group.command(name, description);
+  };
+  return {
+      group,
+      {},
+      {command_on_cloud(named("points", "Compute the visibility of every point, and what blocks it"),
+                        jobs::add_points_fields),
+       command_on_cloud(named("raster", "Compute a viewshed of the ground, or of objects from the ground")
+                            .also_called("viewshed"),
+                        jobs::add_raster_fields),
+       command_on_cloud(
+           named("horizon", "Compute the horizon, sky-view factors and a panorama at one position"),
+           jobs::add_horizon_fields, show_horizon),
+       command_on_cloud(named("sky", "Compute sky-view factors of points or of the ground"),
+                        jobs::add_sky_fields),
+       command_on_cloud(
+           named("sun", "Compute hours of direct sun and radiation on points, on the ground or at positions"),
+           jobs::add_sun_fields),
+       command_on_cloud(
+           named("lines", "Test lines of sight between pairs of positions, and their Fresnel zones"),
+           jobs::add_lines_fields),
+       command_on_cloud(named("place", "Choose the few observer positions that see most"),
+                        jobs::add_place_fields, place_code),
+       command_on_cloud(named("summary", "Summarize what each observer sees in one row"),
+                        jobs::add_summary_fields),
+       command_on_cloud(
+           named("photos", "Compute which photos see which points, their footprints, and colours of points"),
+           jobs::add_photos_fields, photos_code)}};
+}
+
+}  // namespace alidade::tools
