@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/remote_map.h"
 #include "geo/earth.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
@@ -351,6 +352,7 @@ LinesResult run(const LinesPlan& plan, Listener& listener) {
     };
     write_rows(request, cloud->cloud.cloud, write, listener);
   }
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   if (listener.is_listening()) listener.note(result_text(request, table));
   cloud->occluders.reset();  // they would need the listener

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/remote_map.h"
 #include "image/image_file.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
@@ -172,6 +173,7 @@ PlaceResult run(const PlacePlan& plan, Listener& listener) {
   } else {
     write(request, *cloud, placement, candidates, listener);
   }
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   if (!placement.positions.empty()) say_result(request, placement, listener);
   return {std::move(candidates), cloud->cloud.cloud.crs, std::move(targets), std::move(placement)};

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/output_file.h"
+#include "base/remote_map.h"
 #include "base/words.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
@@ -234,6 +235,7 @@ PointsResult run(const PointsPlan& plan, Listener& listener) {
   if (!request.output.empty())
     write_points(request.output, cloud->cloud, columns_of(seen), request.overwrite, request.memory, listener);
   if (list) list->finish();
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   listener.note(result_text(request, seen));
   if (const std::string text = blocking_text(seen, *cloud->occluders); !text.empty()) listener.note(text);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/remote_map.h"
 #include "base/shown_text.h"
 #include "geo/raster_file.h"
 #include "jobs/load_cloud.h"
@@ -402,6 +403,7 @@ RasterResult run(const RasterPlan& plan, Listener& listener) {
     visibility::write_map_image(visibility::viewshed_image(seen, options, viewpoints.named, unit.name),
                                 ground, request.map.preview, request.overwrite);
   }
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   listener.note(result_text(request, options, seen, seconds));
   return result;

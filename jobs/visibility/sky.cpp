@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/remote_map.h"
 #include "jobs/visibility/long_run.h"
 #include "jobs/write_points.h"
 #include "visibility/sky/sky_of_cloud.h"
@@ -87,6 +88,7 @@ SkyResult run(const SkyPlan& plan, Listener& listener) {
   measure_occluders(*site.cloud, request.occluders, listener);
   SkyViews views = request.is_map() ? map_sky(request, site, long_run)
                                     : point_sky(request, *site.cloud, long_run, listener);
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   listener.note(fmt::format("sky-view factors {}{}{}", views.summary,
                             request.output.empty() ? "" : "; wrote ", request.output.string()));

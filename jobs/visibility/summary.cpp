@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/remote_map.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
@@ -100,6 +101,7 @@ SummaryResult run(const SummaryPlan& plan, Listener& listener) {
         },
         listener);
   }
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   listener.note(fmt::format("{} observer{}{}{}", observers.size(), observers.size() == 1 ? "" : "s",
                             request.output.empty() ? "" : "; wrote ", request.output.string()));

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/remote_map.h"
 #include "base/words.h"
 #include "cloud/axis_units.h"
 #include "jobs/outputs.h"
@@ -214,6 +215,7 @@ SunResult run_observers(const SunRequest& request, Listener& listener) {
   if (!request.output.empty())
     write_table(request, *cloud, table_of(request, *sun, observers, answers), metadata, listener);
   if (!request.diagram.empty()) write_diagram(request, *cloud, *sun, observers.front(), listener);
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   if (!request.output.empty())
     listener.note(fmt::format("wrote {} rows to {}", answers.size(), request.output.string()));
   return {.periods = sun->periods,
@@ -256,6 +258,7 @@ SunResult run(const SunPlan& plan, Listener& listener) {
   measure_occluders(*site.cloud, request.occluders, listener);
   SunAnswers answers = request.is_map() ? map_sun(request, site, *sun, long_run)
                                         : point_sun(request, *site.cloud, *sun, long_run, listener);
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   listener.note(fmt::format("hours of sun {}{}{}", answers.summary, request.output.empty() ? "" : "; wrote ",
                             request.output.string()));
