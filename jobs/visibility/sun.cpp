@@ -11,6 +11,7 @@
 #include "base/remote_map.h"
 #include "base/words.h"
 #include "cloud/axis_units.h"
+#include "image/image_file.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
 #include "jobs/visibility/row_output.h"
@@ -126,6 +127,7 @@ void check_observer_fields(const SunRequest& request) {
     throw file_error(request.diagram, "unknown output format", "the extension .png");
   const std::filesystem::path outputs[] = {request.output, request.diagram};
   check_outputs(outputs, request.overwrite, request.inputs({request.observers.file, request.weather}));
+  if (!request.diagram.empty()) image::load_library();
 }
 
 /// A row for each observer and period.
