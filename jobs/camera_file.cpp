@@ -25,12 +25,12 @@ void check(const camera::Camera& camera, const std::string& file, const std::str
 
 }  // namespace
 
-void add_camera_reading(const Fields& command, const std::string& lens_default,
+void add_camera_reading(const Fields& fields, const std::string& lens_default,
                         std::filesystem::path& lens_file, bool& original_world) {
-  command.file("--lens", "FILE.json", "camera file with the size and lens of a trajectory" + lens_default,
-               lens_file);
-  command.flag("--original-world", "transforms.json: undo applied_transform and applied_scale",
-               original_world);
+  fields.file("--lens", "FILE.json", "camera file with the size and lens of a trajectory" + lens_default,
+              lens_file);
+  fields.flag("--original-world", "transforms.json: undo applied_transform and applied_scale",
+              original_world);
 }
 
 camera::CameraSet read_camera_file(const std::filesystem::path& file, const std::vector<std::string>& names,

@@ -19,7 +19,7 @@ inline const std::string k_camera_files =
     "photos, or a trajectory as CSV";
 
 /// Declares --lens, whose help ends with `lens_default`, and --original-world.
-void add_camera_reading(const Fields& command, const std::string& lens_default,
+void add_camera_reading(const Fields& fields, const std::string& lens_default,
                         std::filesystem::path& lens_file, bool& original_world);
 
 /// Reads the cameras of a file, or those of them with these names, in the order of the names. Each has passed

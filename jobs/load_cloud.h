@@ -25,7 +25,7 @@ PointCloud read_files(const CloudInputs& files, bool partial, ReadOptions option
 IndexedCloud load_cloud(const CloudInputs& files, bool partial, IndexCloudOptions options,
                         Listener& listener);
 
-/// Declares --memory of commands that can hold clouds in scratch files.
+/// Declares --memory of jobs and commands that can hold clouds in scratch files.
 Field add_scratch_memory(const Fields& fields, std::optional<std::size_t>& memory);
 /// Scratch files next to an output, or in the current folder if `output` is empty. Empty without --memory.
 std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,

@@ -16,12 +16,12 @@ namespace alidade::jobs {
 
 /// Declares --mesh, which is repeatable; appends its files to `files`. `purpose`: the use of the
 /// triangles, the end of the help text.
-inline void add_mesh_field(const Fields& command, const std::string& purpose,
+inline void add_mesh_field(const Fields& fields, const std::string& purpose,
                            std::vector<std::filesystem::path>& files) {
-  command.values("--mesh", "FILE",
-                 "PLY or OBJ file of triangles in world coordinates, such as a planned building, " + purpose +
-                     "; repeatable",
-                 [&files](const std::string& text) { files.emplace_back(text); });
+  fields.values("--mesh", "FILE",
+                "PLY or OBJ file of triangles in world coordinates, such as a planned building, " + purpose +
+                    "; repeatable",
+                [&files](const std::string& text) { files.emplace_back(text); });
 }
 
 /// Reads a mesh as one stage; warns of what it warns of, and notes how large it is. Errors: as read_mesh().

@@ -26,9 +26,8 @@
 #include "tools/console.h"
 #include "tools/manual_page.h"
 
-// The command line: declaring commands and options, options that several commands share, and the strict
-// reading of their values. A value with anything behind the number is an error, as is one outside its limits.
-// The parser is CLI11, which only options.cpp includes: it takes longer to compile than most commands.
+// The command line: commands, whose options are fields (jobs/fields.h), and options that several commands
+// share. The parser is CLI11, which only options.cpp includes: it takes longer to compile than most commands.
 
 namespace CLI {
 class App;

@@ -88,7 +88,7 @@ void check_size(const fs::path& file, const image::ImageSize& found, const camer
 class E57Photos {
  public:
   E57Photos(const fs::path& file, std::span<const camera::NamedCamera> cameras) : file_(InputFile(file)) {
-    std::vector<std::string> ignored;  // which were printed with the cameras
+    std::vector<std::string> ignored;  // which run() warned of with the cameras
     std::map<std::string, E57Representation> representations;
     for (const camera::E57Photo& each : camera::e57_photos(file_.document(), ignored))
       representations.emplace(each.camera.name, each.representation);

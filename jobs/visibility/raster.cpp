@@ -107,7 +107,7 @@ visibility::SeenValues seen_values_of(const RasterRequest& request) {
 
 constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction", "size", "solid-angle"};
 
-/// Errors: options that do not apply to the mode, or exclude each other.
+/// Errors: fields that do not apply to the mode, or exclude each other.
 void check_values(const RasterRequest& request) {
   const visibility::ViewshedMode mode = request.mode();
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
@@ -131,7 +131,7 @@ void check_values(const RasterRequest& request) {
     throw Error({.problem = "--highest does not exceed --target-height"});
 }
 
-/// Errors: both observers and objects; options or a mode that require the other of these.
+/// Errors: both observers and objects; fields or a mode that require the other of these.
 void check_objects(const RasterRequest& request) {
   const ObserverRequest& observers = request.observers;
   const visibility::ViewshedMode mode = request.mode();

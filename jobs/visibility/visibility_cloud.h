@@ -84,8 +84,8 @@ enum class AcceptedInput {
 };
 
 /// Loads the meshes, the terrain, then cloud files with their classes and `attributes`, or an index file.
-/// Does not measure occluders. Errors: as read_mesh(); too many triangles in all meshes; as geo::read_heights(); a
-/// raster without a patch of surface, in another reference system than the cloud,
+/// Does not measure occluders. Errors: as read_mesh(); too many triangles in all meshes; as
+/// geo::read_heights(); a raster without a patch of surface, in another reference system than the cloud,
 /// instead of points that are required, or beside another one; as load_indexed_cloud(); no points;
 /// coordinates in degrees.
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
