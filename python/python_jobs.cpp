@@ -21,12 +21,12 @@ namespace {
 /// Keeps what a job says until Python can hear it.
 class PythonListener : public jobs::Listener {
  public:
-  std::vector<std::string> notes, warnings;
+  explicit PythonListener(const Progress& progress, std::vector<std::string>& notes,
+                          std::vector<std::string>& warnings)
+      : progress_(progress), notes_(notes), warnings_(warnings) {}
 
-  explicit PythonListener(const Progress& progress) : progress_(progress) {}
-
-  void note(std::string_view text) override { notes.push_back(line_text(text)); }
-  void warn(std::string_view text) override { warnings.emplace_back(text); }
+  void note(std::string_view text) override { notes_.push_back(line_text(text)); }
+  void warn(std::string_view text) override { warnings_.emplace_back(text); }
   void warn_always(std::string_view text) override { warn(text); }
   bool is_listening() const override { return true; }
   bool stops() const override { return is_interrupted(); }
@@ -44,6 +44,7 @@ class PythonListener : public jobs::Listener {
   };
 
   const Progress& progress_;
+  std::vector<std::string>&notes_, &warnings_;
 };
 
 /// A number or text as a field reads it.
@@ -106,6 +107,12 @@ auto run_job(const char* command, void (*add_fields)(const jobs::Fields&, Reques
   std::vector<std::string> notes, warnings;
   using Result = decltype(run(plan(request), std::declval<jobs::Listener&>()));
   std::optional<Result> result;
+  // Also after an error: what was said before may explain it.
+  const auto tell = [&] {
+    if (!note.is_none())
+      for (const std::string& text : notes) note(text_of(text));
+    warn(warnings);
+  };
   try {
     table->waive("output");
     for (const auto& [name, value] : fields) give(*table, py::str(name), value);
@@ -113,17 +120,16 @@ auto run_job(const char* command, void (*add_fields)(const jobs::Fields&, Reques
     request.command = jobs::command_text(*table, names_of(files), k_silent_fields);
     run_watched(workers, progress, [&](const Progress& watch) {
       request.files = inputs_of(files);
-      PythonListener listener(watch);
+      PythonListener listener(watch, notes, warnings);
       result.emplace(run(plan(request), listener));
-      notes = std::move(listener.notes);
-      warnings = std::move(listener.warnings);
     });
   } catch (const jobs::UsageError& error) {
     throw Error({.problem = error.what()});
+  } catch (...) {
+    tell();
+    throw;
   }
-  if (!note.is_none())
-    for (const std::string& text : notes) note(text_of(text));
-  warn(warnings);
+  tell();
   return std::move(*result);
 }
 

@@ -61,6 +61,13 @@ def test_wrong_fields_are_errors(yard):
             alidade.visibility.raster(yard, **fields)
 
 
+def test_notes_before_an_error_are_heard(yard):
+    notes = []
+    with pytest.raises(alidade.Error, match="no observer reaches the map"):
+        alidade.visibility.raster(yard, observer=(700000, 5324988, 610), anywhere=True, max_distance=50, note=notes.append)
+    assert any(text.startswith("ground: ") for text in notes)
+
+
 def test_progress_can_end_the_work(yard):
     def stop(done, total):
         raise RuntimeError("enough")
