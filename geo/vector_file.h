@@ -80,9 +80,9 @@ struct ObserverReference {
 /// Transforms a position to the cloud's reference system. Errors, which name `source`: it has no image there.
 using MoveToCloud = std::function<glm::dvec2(const glm::dvec2& position, const std::string& source)>;
 
-/// From a file's reference system, `own` (WKT, empty if the file has none), to the cloud's; empty if positions
-/// stay as they are, because the systems are equal or both missing. Errors, which name `source`: only one
-/// system is given; GDAL does not understand one; there is no transformation.
+/// From a file's reference system, `own` (WKT, empty if the file has none), to the cloud's; empty if
+/// positions stay as they are, because the systems are equal or both missing. Errors, which name `source`:
+/// only one system is given; GDAL does not understand one; there is no transformation.
 MoveToCloud move_to_cloud(const std::string& own, const ObserverReference& reference,
                           const std::string& source);
 

@@ -13,8 +13,8 @@
 
 namespace alidade::image {
 
-// What Alidade uses of OpenImageIO and FreeType. They bring some 250 libraries, which take longer to load than
-// most commands to run. So a module of its own is linked with them (image/backend/openimageio.cpp), and is
+// What Alidade uses of OpenImageIO and FreeType. They bring some 250 libraries, which take longer to load
+// than most commands to run. So a module of its own is linked with them (image/backend/openimageio.cpp), and is
 // loaded at the first use. It contains no other code of Alidade.
 
 /// The type of a channel's values in a file or in memory.
@@ -92,8 +92,8 @@ class ImageReader {
   virtual std::vector<std::pair<std::string, std::string>> texts(std::size_t longest) const = 0;
   /// Reads these channels of all pixels, which are `stride` bytes apart in `values`.
   virtual Failure read_all(ChannelRun channels, ValueType type, void* values, std::size_t stride) = 0;
-  /// Reads these channels of the rows `top` to `bottom` - 1, without gaps. In a file of tiles, both must be at
-  /// the edge of a tile or of the image.
+  /// Reads these channels of the rows `top` to `bottom` - 1, without gaps. In a file of tiles, both must be
+  /// at the edge of a tile or of the image.
   virtual Failure read_rows(int top, int bottom, ChannelRun channels, ValueType type, void* values) = 0;
 };
 
@@ -123,8 +123,8 @@ class Backend {
   virtual std::unique_ptr<ImageReader> open_image(const std::string& file,
                                                   std::optional<std::span<const std::byte>> bytes,
                                                   std::string& failure) const = 0;
-  /// Encodes into `bytes`. rows(begin, end) returns rows of pixels, each channel in its own type without gaps,
-  /// valid until the next call; it is called from top to bottom. `name` is for messages.
+  /// Encodes into `bytes`. rows(begin, end) returns rows of pixels, each channel in its own type without
+  /// gaps, valid until the next call; it is called from top to bottom. `name` is for messages.
   virtual Failure encode(const ImageToWrite& image, const std::string& name,
                          const std::function<const std::byte*(int begin, int end)>& rows,
                          std::vector<unsigned char>& bytes) const = 0;

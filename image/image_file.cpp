@@ -117,8 +117,8 @@ std::vector<Channel> exr_channels(const OutputSettings& output) {
   return channels;
 }
 
-/// Row `y` of the film as pixels of these channels. `offset`: ImageFacts::position_offset. `bytes`: as many as
-/// the row takes.
+/// Row `y` of the film as pixels of these channels. `offset`: ImageFacts::position_offset. `bytes`: as many
+/// as the row takes.
 void pack_row(const Film& film, int y, std::span<const Channel> channels, const glm::dvec3& offset,
               std::span<std::byte> bytes) {
   std::size_t byte = 0;
