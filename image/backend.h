@@ -14,8 +14,8 @@
 namespace alidade::image {
 
 // What Alidade uses of OpenImageIO and FreeType. They bring some 250 libraries, which take longer to load
-// than most commands to run. So a module of its own is linked with them (image/backend/openimageio.cpp), and is
-// loaded at the first use. It contains no other code of Alidade.
+// than most commands to run. So a module of its own is linked with them (image/backend/openimageio.cpp), and
+// is loaded at the first use. It contains no other code of Alidade.
 
 /// The type of a channel's values in a file or in memory.
 enum class ValueType {

@@ -13,7 +13,8 @@ namespace alidade::jobs {
 void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs = {});
 
-/// check_writable() for all files that a job or command writes; empty names are left out. Errors: two are one file.
+/// check_writable() for all files that a job or command writes; empty names are left out. Errors: two are one
+/// file.
 void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrite,
                    std::span<const std::filesystem::path> inputs = {});
 
