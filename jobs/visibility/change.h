@@ -12,6 +12,7 @@
 #include "cloud/cloud_inputs.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "visibility/change/change.h"
 
 namespace alidade::jobs {
@@ -47,16 +48,7 @@ void add_change_fields(const Fields& fields, ChangeRequest& request);
 void add_change_writing(const Fields& fields, ChangeRequest& request);
 
 /// A checked request.
-class ChangePlan {
- public:
-  const ChangeRequest& request() const { return request_; }
-
- private:
-  friend ChangePlan plan(const ChangeRequest& request);
-  explicit ChangePlan(const ChangeRequest& request) : request_(request) {}
-
-  ChangeRequest request_;
-};
+using ChangePlan = Plan<ChangeRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: an output of an unknown format, or that
 /// cannot be replaced or written.

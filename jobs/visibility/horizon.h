@@ -9,6 +9,7 @@
 #include "image/film.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "visibility/horizon/horizon.h"
@@ -29,16 +30,7 @@ struct HorizonRequest : VisibilityRequest {
 void add_horizon_fields(const Fields& fields, HorizonRequest& request);
 
 /// A checked request.
-class HorizonPlan {
- public:
-  const HorizonRequest& request() const { return request_; }
-
- private:
-  friend HorizonPlan plan(const HorizonRequest& request);
-  explicit HorizonPlan(const HorizonRequest& request) : request_(request) {}
-
-  HorizonRequest request_;
-};
+using HorizonPlan = Plan<HorizonRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: no observer; files that cannot be read,
 /// replaced or written.

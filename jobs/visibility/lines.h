@@ -9,6 +9,7 @@
 #include "jobs/checkpoint_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "visibility/lines/line_files.h"
 #include "visibility/observers.h"
@@ -35,16 +36,7 @@ struct LinesRequest : VisibilityRequest {
 void add_lines_fields(const Fields& fields, LinesRequest& request);
 
 /// A checked request.
-class LinesPlan {
- public:
-  const LinesRequest& request() const { return request_; }
-
- private:
-  friend LinesPlan plan(const LinesRequest& request);
-  explicit LinesPlan(const LinesRequest& request) : request_(request) {}
-
-  LinesRequest request_;
-};
+using LinesPlan = Plan<LinesRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: no lines; --places-crs alone; files that
 /// cannot be replaced or written.

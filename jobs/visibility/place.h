@@ -12,6 +12,7 @@
 #include "jobs/checkpoint_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "visibility/observers.h"
@@ -35,16 +36,7 @@ struct PlaceRequest : VisibilityRequest {
 void add_place_fields(const Fields& fields, PlaceRequest& request);
 
 /// A checked request.
-class PlacePlan {
- public:
-  const PlaceRequest& request() const { return request_; }
-
- private:
-  friend PlacePlan plan(const PlaceRequest& request);
-  explicit PlacePlan(const PlaceRequest& request) : request_(request) {}
-
-  PlaceRequest request_;
-};
+using PlacePlan = Plan<PlaceRequest>;
 
 /// Checks all that can be checked before a point is read, except for the candidates. Errors: unknown output
 /// format; files that cannot be read, replaced or written.

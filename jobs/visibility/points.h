@@ -9,6 +9,7 @@
 #include "jobs/checkpoint_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "visibility/observers.h"
@@ -32,16 +33,7 @@ struct PointsRequest : VisibilityRequest {
 void add_points_fields(const Fields& fields, PointsRequest& request);
 
 /// A checked request.
-class PointsPlan {
- public:
-  const PointsRequest& request() const { return request_; }
-
- private:
-  friend PointsPlan plan(const PointsRequest& request);
-  explicit PointsPlan(const PointsRequest& request) : request_(request) {}
-
-  PointsRequest request_;
-};
+using PointsPlan = Plan<PointsRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: unknown output format; no observers; files
 /// that cannot be read, replaced or written.

@@ -356,10 +356,10 @@ void add_raster_fields(const Fields& fields, RasterRequest& request) {
 RasterPlan plan(const RasterRequest& request) {
   constexpr double k_grass_observer = 1.75;
   check_request(request);
-  RasterPlan plan(request);
-  if (request.like == DefaultSet::grass) plan.request_.observers.defaults.height_on_ground = k_grass_observer;
   if (!request.objects.any()) check_given(request.observers);
-  return plan;
+  RasterRequest checked = request;
+  if (request.like == DefaultSet::grass) checked.observers.defaults.height_on_ground = k_grass_observer;
+  return RasterPlan(std::move(checked));
 }
 
 RasterResult run(const RasterPlan& plan, Listener& listener) {

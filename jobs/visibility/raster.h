@@ -12,6 +12,7 @@
 #include "jobs/checkpoint_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "jobs/visibility/map_request.h"
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/visibility_cloud.h"
@@ -59,16 +60,7 @@ struct RasterRequest : VisibilityRequest {
 void add_raster_fields(const Fields& fields, RasterRequest& request);
 
 /// A checked request.
-class RasterPlan {
- public:
-  const RasterRequest& request() const { return request_; }
-
- private:
-  friend RasterPlan plan(const RasterRequest& request);
-  explicit RasterPlan(const RasterRequest& request) : request_(request) {}
-
-  RasterRequest request_;
-};
+using RasterPlan = Plan<RasterRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: fields that do not apply to the map or
 /// exclude each other; no observers and no objects; files that cannot be read, replaced or written.

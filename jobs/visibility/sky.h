@@ -8,6 +8,7 @@
 #include "geo/raster.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "jobs/visibility/map_request.h"
 #include "jobs/visibility/sky_site.h"
 
@@ -22,16 +23,7 @@ struct SkyRequest : SkySiteRequest {
 void add_sky_fields(const Fields& fields, SkyRequest& request);
 
 /// A checked request.
-class SkyPlan {
- public:
-  const SkyRequest& request() const { return request_; }
-
- private:
-  friend SkyPlan plan(const SkyRequest& request);
-  explicit SkyPlan(const SkyRequest& request) : request_(request) {}
-
-  SkyRequest request_;
-};
+using SkyPlan = Plan<SkyRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: those of check_sky_site().
 SkyPlan plan(const SkyRequest& request);

@@ -7,6 +7,7 @@
 #include "jobs/checkpoint_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "visibility/observers.h"
@@ -25,16 +26,7 @@ struct SummaryRequest : VisibilityRequest {
 void add_summary_fields(const Fields& fields, SummaryRequest& request);
 
 /// A checked request.
-class SummaryPlan {
- public:
-  const SummaryRequest& request() const { return request_; }
-
- private:
-  friend SummaryPlan plan(const SummaryRequest& request);
-  explicit SummaryPlan(const SummaryRequest& request) : request_(request) {}
-
-  SummaryRequest request_;
-};
+using SummaryPlan = Plan<SummaryRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: a step that does not divide 360; unknown
 /// output format; no observers; files that cannot be read, replaced or written.

@@ -7,6 +7,7 @@
 #include "cloud/crs.h"
 #include "geo/raster.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "jobs/visibility/map_request.h"
 #include "jobs/visibility/sun_request.h"
 #include "visibility/observers.h"
@@ -15,16 +16,7 @@
 namespace alidade::jobs {
 
 /// A checked request.
-class SunPlan {
- public:
-  const SunRequest& request() const { return request_; }
-
- private:
-  friend SunPlan plan(const SunRequest& request);
-  explicit SunPlan(const SunRequest& request) : request_(request) {}
-
-  SunRequest request_;
-};
+using SunPlan = Plan<SunRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: fields that exclude each other, or do not
 /// apply to observers; those of check_given() or check_sky_site().
