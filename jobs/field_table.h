@@ -38,8 +38,8 @@ class FieldTable : public FieldSink {
 
   /// Gives a field its texts: one, but any number if it is repeated or takes words, and none for a flag.
   /// Given again, a repeated field has more of them, others have the last. `name`: any of the field's,
-  /// without hyphens in front; '_' may stand for '-'. Errors: UsageError: no such field, with the
-  /// nearest name; another number of texts.
+  /// without hyphens in front; '_' may stand for '-'. Errors: UsageError if there is no such
+  /// field, naming the nearest, or if the number of texts is wrong.
   void give(std::string_view name, std::vector<std::string> texts);
 
   /// A required field of this name need not be given: the caller has another way for it.

@@ -99,7 +99,7 @@ struct FieldEntry {
   std::size_t least = 1;
   bool is_required = false;
   std::vector<std::size_t> needed{}, excluded{};  ///< indices of other fields
-  /// Reads all its texts, which are none for a flag. Errors: UsageError.
+  /// Reads all its texts; a flag has none. Errors: UsageError.
   std::function<void(const std::vector<std::string>&)> read{};
 };
 

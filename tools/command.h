@@ -57,7 +57,6 @@ Command command_of(const Options& options, const std::shared_ptr<Request>& reque
                    ExitCode (*run)(const Request&)) {
   return {options, [request, run](const CommandLine& words) {
             request->words = words;
-            if constexpr (requires { request->command; }) request->command = metadata_command(words);
             const auto threads = request->threads
                                      ? request->threads
                                      : enough_threads(words, available_memory().value_or(UINT64_MAX));
@@ -90,7 +89,7 @@ Command job_command(const Options& options, const std::shared_ptr<JobCommand<Req
           }};
 }
 
-/// A job of which nothing belongs on stdout, and which is done if it does not fail.
+/// A job that prints nothing on stdout; its exit code is ExitCode::done unless it fails.
 template <class Request>
 Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command) {
   return job_command(options, command, [](const auto&, const auto&) { return ExitCode::done; });

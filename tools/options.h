@@ -47,7 +47,6 @@ using jobs::Fields;
 using jobs::ImageSize;
 using jobs::parse_classes;
 using jobs::parse_count;
-using jobs::parse_distance_limit;
 using jobs::parse_image_size;
 using jobs::parse_length_limit;
 using jobs::parse_limit;

@@ -51,8 +51,8 @@ struct PlaceResult {
   visibility::Placement placement;
 };
 
-/// Chooses the positions, and writes them where the request has an output, unless there are none. Errors:
-/// those of load_cloud_alone(), load_observers(), visibility::thin_points() and visibility::see_targets(); no
+/// Chooses the positions, and writes them if there are any and the request has an output. Errors: those of
+/// load_cloud_alone(), load_observers(), visibility::thin_points() and visibility::see_targets(); no
 /// classes, or no points of those of the targets; Cancelled. Memory: the cloud, its surfaces, and a bit per
 /// candidate and target.
 PlaceResult run(const PlacePlan& plan, Listener& listener);

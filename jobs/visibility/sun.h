@@ -22,7 +22,7 @@ using SunPlan = Plan<SunRequest>;
 /// apply to observers; those of check_given() or check_sky_site().
 SunPlan plan(const SunRequest& request);
 
-/// What receivers get, of which sun_quantities() are for files.
+/// What receivers get. Files hold the sun_quantities() of it.
 struct SunResult {
   std::vector<std::string> periods;  ///< their names; one without a name is the whole time
   std::vector<geo::Raster<visibility::Radiation>> maps;  ///< for each period; NaN hours without ground

@@ -33,7 +33,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// Gives the fields of a request what stands on a command line.
+/// Fills a request from the words of a command line.
 void give(jobs::FieldTable& table, const Words& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string name = words[i].substr(words[i].find_first_not_of('-'));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The commands of `alidade visibility`, all of which are jobs.
+// The commands of `alidade visibility`. Each runs a job.
 #include <algorithm>
 
 #include "jobs/visibility/horizon.h"
