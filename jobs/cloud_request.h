@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <initializer_list>
 #include <optional>
@@ -11,12 +12,18 @@
 
 namespace alidade::jobs {
 
-/// What all jobs on one cloud are requested with.
-struct CloudRequest {
+/// What jobs that read clouds are requested with.
+struct JobRequest {
+  bool partial = false;               ///< damaged files are read in part: ReadOptions::partial
+  std::filesystem::path output;       ///< empty: none
+  std::optional<std::size_t> memory;  ///< of scratch_beside() the output
+  bool overwrite = false;
+  std::string command;  ///< the request in words, for the metadata of outputs
+};
+
+/// What jobs on one cloud are requested with.
+struct CloudRequest : JobRequest {
   CloudInputs files;
-  bool partial = false;        ///< damaged files are read in part: ReadOptions::partial
-  std::optional<int> threads;  ///< empty: as many as the machine has
-  std::string command;         ///< the request in words, for the metadata of outputs
 
   /// The files of the cloud, and other files that are read.
   std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const {

@@ -100,24 +100,31 @@ void FieldTable::read() const {
   }
 }
 
-std::string command_text(const FieldTable& table, std::span<const std::filesystem::path> files,
-                         std::span<const std::string_view> silent) {
+std::string command_text(const FieldTable& table, std::span<const std::string_view> silent) {
   const auto quoted = [](const std::string& word) {
     const bool is_plain = !word.empty() && word.find_first_of(" \t'\"") == std::string::npos;
     return is_plain ? word : fmt::format("\"{}\"", word);
   };
-  std::string text = "alidade " + table.name();
-  for (const std::filesystem::path& file : files) text += " " + quoted(kept_name(file));
+  std::string operands, options;
   for (std::size_t i = 0; i < table.entries().size(); ++i) {
-    const std::string name = long_name(table.entries()[i]);
+    const FieldEntry& field = table.entries()[i];
+    const std::string name = long_name(field);
     if (!table.is_given(i) || is_silent(name, silent)) continue;
-    if (table.entries()[i].form == FieldForm::flag) {
-      text += " --" + name;
-    } else {
-      for (const std::string& one : table.texts(i)) text += " --" + name + " " + quoted(kept_name(one));
+    const std::string option = " --" + name;
+    if (field.form == FieldForm::flag) {
+      options += option;
+      continue;
+    }
+    for (const std::string& one : table.texts(i)) {
+      if (!is_operand(field)) options += option;
+      (is_operand(field) ? operands : options) += " " + quoted(kept_name(one));
     }
   }
-  return text;
+  return "alidade " + table.name() + operands + options;
+}
+
+bool is_operand(const FieldEntry& field) {
+  return !field.names.starts_with("-");
 }
 
 }  // namespace alidade::jobs

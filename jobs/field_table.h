@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,14 +21,16 @@ namespace alidade::jobs {
 ///   table->read();
 class FieldTable : public FieldSink {
  public:
-  /// `name` of what is requested: "visibility raster".
-  explicit FieldTable(std::string name) : name_(std::move(name)) {}
+  /// `name` of what is requested: "visibility raster". `stops`: as of FieldSink.
+  explicit FieldTable(std::string name, std::function<bool()> stops = {})
+      : name_(std::move(name)), stops_(std::move(stops)) {}
 
   std::size_t declare(FieldEntry entry) override;
   bool is_given(std::size_t index) const override { return !texts_[index].empty(); }
   void need(std::size_t index, std::size_t other) override { entries_[index].needed.push_back(other); }
   std::string name() const override { return name_; }
   std::vector<std::pair<std::string, std::vector<std::string>>> given() const override;
+  std::function<bool()> stops() const override { return stops_; }
 
   /// In the order of declaration.
   const std::vector<FieldEntry>& entries() const { return entries_; }
@@ -51,6 +53,7 @@ class FieldTable : public FieldSink {
 
  private:
   std::string name_;
+  std::function<bool()> stops_;
   std::vector<FieldEntry> entries_{};
   /// Empty for fields that were not given; a flag that was given has one empty text.
   std::vector<std::vector<std::string>> texts_{};
@@ -59,8 +62,10 @@ class FieldTable : public FieldSink {
 /// The command line that means the same, for the metadata of outputs: "alidade visibility raster site.las
 /// --observer 1,2,3", with names of files as kept_name(), without fields that cannot change answers and those
 /// in `silent`.
-std::string command_text(const FieldTable& table, std::span<const std::filesystem::path> files,
-                         std::span<const std::string_view> silent = {});
+std::string command_text(const FieldTable& table, std::span<const std::string_view> silent = {});
+
+/// Whether a command line names the value by its position alone.
+bool is_operand(const FieldEntry& field);
 
 /// The names of a field without hyphens in front: "o", "output".
 std::vector<std::string> plain_names(const FieldEntry& field);

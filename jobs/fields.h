@@ -117,6 +117,8 @@ class FieldSink {
   virtual std::string name() const = 0;
   /// The name without hyphens of every field, with the texts given to it, in the order of declaration.
   virtual std::vector<std::pair<std::string, std::vector<std::string>>> given() const = 0;
+  /// Whether to stop: tested by values that compute, such as conditions, on many threads. May be empty.
+  virtual std::function<bool()> stops() const { return {}; }
 };
 
 /// A declared field. Copies refer to the same one.
@@ -230,6 +232,7 @@ class Fields {
 
   std::string name() const { return sink_->name(); }
   std::vector<std::pair<std::string, std::vector<std::string>>> given() const { return sink_->given(); }
+  std::function<bool()> stops() const { return sink_->stops(); }
 
  private:
   Field declare(FieldEntry entry) const;

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include <cstdlib>
-#include <memory>
 #include <string>
 
-#include "base/allowed_hosts.h"
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/shown_text.h"
 #include "cloud/crs.h"
 #include "geo/crs_library.h"
 #include "geo/gdal_library.h"
-#include "geo/remote_file.h"
+#include "jobs/cloud_fields.h"
 #include "python/docstrings.h"
 #include "python/python_cloud.h"
 
@@ -36,14 +33,6 @@ void add_errors(py::module_& module) {
   });
 }
 
-std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
-  // The cache of the program.
-  static const char* const cache = std::getenv("ALIDADE_CACHE");
-  return alidade::geo::open_remote_file(name, {.is_interrupted = &alidade::python::is_interrupted,
-                                               .cache = cache != nullptr ? cache : "",
-                                               .hosts = alidade::hosts_for(name)});
-}
-
 /// Without GDAL the text of reference systems is compared.
 bool has_gdal() {
   static const bool has = [] {
@@ -66,7 +55,9 @@ PYBIND11_MODULE(_alidade, module) {
   module.doc() = alidade::python::k_module_doc;
   module.attr("__version__") = ALIDADE_VERSION;
   add_errors(module);
-  alidade::set_remote_files(&open_remote);
+  alidade::set_remote_files([](const std::string& name) {
+    return alidade::jobs::open_remote(name, &alidade::python::is_interrupted);
+  });
   alidade::use_crs_library(
       {.compare =
            [](const Crs& a, const Crs& b) {

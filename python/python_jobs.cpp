@@ -102,7 +102,7 @@ template <class Request>
 auto run_job(const char* command, void (*add_fields)(const jobs::Fields&, Request&), const FileNames& files,
              int workers, const py::object& progress, const py::object& note, const py::kwargs& fields) {
   Request request;
-  const auto table = std::make_shared<jobs::FieldTable>(command);
+  const auto table = std::make_shared<jobs::FieldTable>(command, &is_interrupted);
   add_fields(jobs::Fields(table), request);
   std::vector<std::string> notes, warnings;
   using Result = decltype(run(plan(request), std::declval<jobs::Listener&>()));
@@ -116,10 +116,12 @@ auto run_job(const char* command, void (*add_fields)(const jobs::Fields&, Reques
   try {
     table->waive("output");
     for (const auto& [name, value] : fields) give(*table, py::str(name), value);
-    table->read();
-    request.command = jobs::command_text(*table, names_of(files), k_silent_fields);
+    std::vector<std::string> names;
+    for (const std::filesystem::path& file : names_of(files)) names.push_back(file.string());
+    table->give("cloud", std::move(names));
+    request.command = jobs::command_text(*table, k_silent_fields);
     run_watched(workers, progress, [&](const Progress& watch) {
-      request.files = inputs_of(files);
+      table->read();
       PythonListener listener(watch, notes, warnings);
       result.emplace(run(plan(request), listener));
     });
@@ -162,6 +164,7 @@ py::list fields_of(const char* command, void (*add_fields)(const jobs::Fields&, 
   constexpr const char* k_forms[] = {"flag", "value", "text", "repeated", "words"};
   py::list all;
   for (const jobs::FieldEntry& field : table->entries()) {
+    if (jobs::is_operand(field)) continue;
     std::string name = jobs::long_name(field);
     std::ranges::replace(name, '-', '_');
     all.append(py::make_tuple(name, field.kind, field.help, k_forms[static_cast<std::size_t>(field.form)]));

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "base/allowed_hosts.h"
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "base/input_file.h"
 #include "base/instruction_set.h"
 #include "base/words.h"
@@ -20,9 +20,7 @@
 #include "database/server/server_name.h"
 #include "geo/crs_library.h"
 #include "geo/gdal_library.h"
-#include "geo/remote_file.h"
 #include "image/image_file.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -151,7 +149,9 @@ std::optional<int> enough_threads(std::span<const std::string> words, std::uint6
   return std::min(k_waiting_per_core * tbb::this_task_arena::max_concurrency(), k_most_threads);
 }
 
-ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work) {
+ExitCode with_threads(std::optional<int> threads, std::span<const std::string> words,
+                      const std::function<ExitCode()>& work) {
+  if (!threads) threads = enough_threads(words, available_memory().value_or(UINT64_MAX));
   if (!threads) return work();
   // The limit allows more threads than the machine has; the arena then requests them.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
@@ -190,11 +190,7 @@ std::string version_text() {
 
 ExitCode run_program(const CommandLine& command_line) {
   check_server_names(command_line);
-  set_remote_files([](const std::string& name) {
-    geo::RemoteOptions options = remote_options();
-    options.hosts = hosts_for(name);
-    return geo::open_remote_file(name, options);
-  });
+  set_remote_files([](const std::string& name) { return jobs::open_remote(name, &interrupted); });
   use_crs_library({.compare = &geo::compare_systems, .wkt = &geo::library_wkt});
   Parser parser;
   const Options program = parser.program();

@@ -13,7 +13,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/huge_memory.h"
 #include "tools/console.h"
 #include "tools/options.h"
 
@@ -44,8 +43,9 @@ struct Command {
 /// `memory` (bytes): most threads then wait for the disk, which serves many as fast as one.
 std::optional<int> enough_threads(std::span<const std::string> words, std::uint64_t memory);
 
-/// Returns what `work` returns, run on exactly this many threads.
-ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
+/// Returns what `work` returns, run on exactly this many threads; by default enough_threads() of the words.
+ExitCode with_threads(std::optional<int> threads, std::span<const std::string> words,
+                      const std::function<ExitCode()>& work);
 
 /// The command line for metadata: names as kept_name(), without the options that do not affect the image
 /// (outputs, threads, messages), so that equal images make equal files.
@@ -57,10 +57,7 @@ Command command_of(const Options& options, const std::shared_ptr<Request>& reque
                    ExitCode (*run)(const Request&)) {
   return {options, [request, run](const CommandLine& words) {
             request->words = words;
-            const auto threads = request->threads
-                                     ? request->threads
-                                     : enough_threads(words, available_memory().value_or(UINT64_MAX));
-            return with_threads(threads, [&] { return run(*request); });
+            return with_threads(request->threads, words, [&] { return run(*request); });
           }};
 }
 
@@ -68,22 +65,26 @@ Command command_of(const Options& options, const std::shared_ptr<Request>& reque
 template <class Request>
 struct JobCommand {
   Request request;
+  std::optional<int> threads;
   Verbosity verbosity = Verbosity::normal;
 };
+
+/// Declares --threads, -q and -v.
+template <class Request>
+void add_job_options(const Options& options, JobCommand<Request>& command) {
+  add_threads(options, command.threads);
+  add_verbosity(options, command.verbosity);
+}
 
 /// A command that plans and runs the job. `show(plan, result)` prints what belongs on stdout, and returns the
 /// exit code.
 template <class Request, class Show>
 Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command, Show show) {
   return {options, [command, show](const CommandLine& words) {
-            Request& request = command->request;
-            request.command = metadata_command(words);
-            const auto threads = request.threads
-                                     ? request.threads
-                                     : enough_threads(words, available_memory().value_or(UINT64_MAX));
-            return with_threads(threads, [&] {
+            command->request.command = metadata_command(words);
+            return with_threads(command->threads, words, [&] {
               Console console(command->verbosity);
-              const auto checked = plan(request);
+              const auto checked = plan(command->request);
               return show(checked, run(checked, console));
             });
           }};
@@ -93,6 +94,15 @@ Command job_command(const Options& options, const std::shared_ptr<JobCommand<Req
 template <class Request>
 Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command) {
   return job_command(options, command, [](const auto&, const auto&) { return ExitCode::done; });
+}
+
+/// A job whose fields `add_fields` declares, with add_job_options(); `show` as above.
+template <class Request, class... Show>
+Command job_command(const Options& options, void (*add_fields)(const Fields&, Request&), Show... show) {
+  const auto command = std::make_shared<JobCommand<Request>>();
+  add_fields(options, command->request);
+  add_job_options(options, *command);
+  return job_command(options, command, show...);
 }
 
 Command add_info(const Options& program);

@@ -13,8 +13,6 @@
 #include "base/output_file.h"
 #include "base/words.h"
 #include "camera/camera.h"
-#include "tools/cloud/load_cloud.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -41,6 +39,7 @@ class OptionSink : public jobs::FieldSink {
   bool is_given(std::size_t index) const override { return options_[index]->count() > 0; }
   void need(std::size_t index, std::size_t other) override { options_[index]->needs(options_[other]); }
   std::string name() const override { return app_->get_name(); }
+  std::function<bool()> stops() const override { return &interrupted; }
 
   std::vector<std::pair<std::string, std::vector<std::string>>> given() const override {
     std::vector<std::pair<std::string, std::vector<std::string>>> all;
@@ -233,30 +232,9 @@ void add_threads(const Fields& command, std::optional<int>& threads) {
                 threads, 1, k_most_threads);
 }
 
-Field add_cloud_files(const Fields& command, const std::string& name, const std::string& kind,
-                      const std::string& help, CloudInputs& clouds,
-                      const std::shared_ptr<ViewRequest>& view) {
-  return command.words(name, kind, help, [&clouds, view](const std::vector<std::string>& words) {
-    clouds = view->apply(
-        resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats()));
-  });
-}
-
 std::function<void(const Error&)> checkpoint_warning() {
   static Console console(Verbosity::quiet);
   return jobs::checkpoint_warning(console);
-}
-
-Field add_partial(const Fields& command, bool& partial) {
-  return command.flag(
-      "--partial", "read the intact part of damaged files and report what is lost; otherwise they are errors",
-      partial);
-}
-
-void add_cloud(const Fields& command, CloudInputs& files,
-               std::initializer_list<std::string_view> own_options) {
-  add_cloud_files(command.required(), "cloud", "CLOUD...", k_cloud_help, files,
-                  add_view_options(command, own_options));
 }
 
 std::vector<std::filesystem::path> CloudRequest::inputs(

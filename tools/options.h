@@ -21,6 +21,7 @@
 #include "base/error.h"
 #include "cloud/cloud_inputs.h"
 #include "jobs/checkpoint_request.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/fields.h"
 #include "jobs/outputs.h"
 #include "tools/console.h"
@@ -36,15 +37,22 @@ class Option;
 
 namespace alidade::tools {
 
-struct ViewRequest;
-
 using jobs::add_checkpoint_fields;
+using jobs::add_cloud;
+using jobs::add_cloud_files;
+using jobs::add_partial;
+using jobs::add_remote_fields;
+using jobs::add_view_fields;
 using jobs::check_outputs;
 using jobs::check_writable;
 using jobs::CheckpointRequest;
+using jobs::CloudView;
 using jobs::Field;
 using jobs::Fields;
+using jobs::HeightUse;
 using jobs::ImageSize;
+using jobs::k_database_help;
+using jobs::k_files_help;
 using jobs::parse_classes;
 using jobs::parse_count;
 using jobs::parse_image_size;
@@ -125,29 +133,8 @@ inline constexpr int k_most_threads = 1024;
 /// --threads N; empty = as many as the machine has, or enough_threads() (tools/command.h).
 void add_threads(const Fields& command, std::optional<int>& threads);
 
-/// The help text of a cloud's files, for commands that have nothing to add.
-inline constexpr const char* k_cloud_help =
-    "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, a catalog of files "
-    "(.catalog.json), an index file (.alidade), or a table of a database: site.db?table=NAME or "
-    "postgresql://HOST/DATABASE?table=NAME";
-
-/// Beginning and end of other help texts of a cloud's files.
-inline const std::string k_files_help =
-    "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud";
-inline const std::string k_database_help =
-    "; or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
-
-/// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
-/// (resolve_clouds()) while the command line is read. `view`: which of their points are selected
-/// (tools/view_options.h). Errors then: those of resolve_clouds().
-Field add_cloud_files(const Fields& command, const std::string& name, const std::string& kind,
-                      const std::string& help, CloudInputs& clouds, const std::shared_ptr<ViewRequest>& view);
-
 /// jobs::checkpoint_warning() for commands that are no jobs yet.
 std::function<void(const Error&)> checkpoint_warning();
-
-/// Declares --partial.
-Field add_partial(const Fields& command, bool& partial);
 
 /// The words the program was started with, as they go into the metadata of what it writes.
 using CommandLine = std::vector<std::string>;
@@ -174,10 +161,5 @@ struct CloudRequest : RunRequest {
   /// The files of the cloud, and other files that are read.
   std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
 };
-
-/// Declares the operand that names the cloud, which is required, and add_view_options() without those that
-/// the command has itself.
-void add_cloud(const Fields& command, CloudInputs& files,
-               std::initializer_list<std::string_view> own_options = {});
 
 }  // namespace alidade::tools

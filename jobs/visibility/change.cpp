@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/remote_map.h"
 #include "cloud/crs.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/visibility_cloud.h"
@@ -40,6 +41,17 @@ void check_request(const ChangeRequest& request) {
     inputs.insert(inputs.end(), names.begin(), names.end());
   }
   check_writable(request.output, request.overwrite, inputs);
+}
+
+void add_epoch(const Fields& fields, const char* operand, const CloudView& view, EpochRequest& epoch) {
+  fields.required().value(
+      operand, epoch.name,
+      "the cloud of this epoch: a file, a folder, a quoted pattern such as 'tiles/*.las', an index file "
+      "(.alidade)" +
+          k_database_help,
+      [&epoch, view](const std::string& text) {
+        epoch.files = view.apply(resolve_clouds(std::vector<std::filesystem::path>{text}, cloud_formats()));
+      });
 }
 
 glm::dvec3 parse_position(const std::string& text) {
@@ -207,7 +219,11 @@ void say_registration(double registration_error, const EpochResult& found, Liste
 
 }  // namespace
 
-void add_change_fields(const Fields& fields, ChangeRequest& request) {
+void add_change_fields(const Fields& fields, ChangeRequest& request,
+                       const std::function<void()>& add_answers) {
+  const CloudView view = add_view_fields(fields, {"--ignore-classes"});
+  add_epoch(fields, "before", view, request.before);
+  add_epoch(fields, "after", view, request.after);
   fields.required().file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
                          "output: the points of both epochs, as LAS 1.4, LAZ or PLY, by the extension",
                          request.output);
@@ -225,11 +241,10 @@ void add_change_fields(const Fields& fields, ChangeRequest& request) {
       request.options.max_range, 1e-6, 1e9);
   add_distances(fields, request);
   add_ignored_classes(fields, "are not compared", request.ignored_classes);
-}
-
-void add_change_writing(const Fields& fields, ChangeRequest& request) {
+  add_answers();
   fields.flag("--overwrite", "replace an existing output", request.overwrite);
   add_scratch_memory(fields, request.memory);
+  add_partial(fields, request.partial);
 }
 
 ChangePlan plan(const ChangeRequest& request) {

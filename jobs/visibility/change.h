@@ -2,14 +2,13 @@
 #pragma once
 
 #include <bitset>
-#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <glm/vec3.hpp>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "cloud/cloud_inputs.h"
+#include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/plan.h"
@@ -28,24 +27,17 @@ struct EpochRequest {
 };
 
 /// What has changed between two scans of one site.
-struct ChangeRequest {
+struct ChangeRequest : JobRequest {
   EpochRequest before{"BEFORE", "--origin-before", "--origins-before"};
   EpochRequest after{"AFTER", "--origin-after", "--origins-after"};
   visibility::ChangeOptions options;
   std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
-  std::filesystem::path output;       ///< empty: none
-  std::optional<std::size_t> memory;  ///< of scratch_beside() the output
-  bool no_sight = false, overwrite = false;
-  bool partial = false;        ///< damaged files are read in part: ReadOptions::partial
-  std::optional<int> threads;  ///< empty: as many as the machine has
-  std::string command;         ///< the request in words
+  bool no_sight = false;
 };
 
-/// Declares all fields but those of the clouds, of how the job runs, and of add_change_writing().
-void add_change_fields(const Fields& fields, ChangeRequest& request);
-
-/// Declares --overwrite and --memory.
-void add_change_writing(const Fields& fields, ChangeRequest& request);
+/// Declares all fields. `add_answers` declares those of whoever shows the result, where the manual has them.
+void add_change_fields(
+    const Fields& fields, ChangeRequest& request, const std::function<void()>& add_answers = [] {});
 
 /// A checked request.
 using ChangePlan = Plan<ChangeRequest>;

@@ -15,6 +15,7 @@
 #include "geo/earth.h"
 #include "geo/gdal_library.h"
 #include "image/image_file.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/row_output.h"
@@ -213,10 +214,12 @@ void say_findings(const View& view, Listener& listener) {
 }  // namespace
 
 void add_horizon_fields(const Fields& fields, HorizonRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   add_observer_fields(fields, request.observers);
   add_occluder_fields(fields, request.occluders);
   add_answers(fields, request);
   add_scratch_memory(fields, request.memory);
+  add_partial(fields, request.partial);
 }
 
 HorizonPlan plan(const HorizonRequest& request) {

@@ -26,7 +26,7 @@ struct HorizonRequest : VisibilityRequest {
   ImageSize depth_size{2048, 1024};
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_horizon_fields(const Fields& fields, HorizonRequest& request);
 
 /// A checked request.

@@ -15,6 +15,7 @@
 #include "base/huge_memory.h"
 #include "base/remote_map.h"
 #include "geo/earth.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
@@ -308,6 +309,7 @@ std::vector<double> unscanned_lengths(const VisibilityCloud& cloud,
 }  // namespace
 
 void add_lines_fields(const Fields& fields, LinesRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   add_pairs(fields, request.pairs);
   fields.group("Lines").number("--end-margin", "LENGTH",
                                "excluded length at either end, for scanned masts and tripods (default: 0)",
@@ -319,6 +321,7 @@ void add_lines_fields(const Fields& fields, LinesRequest& request) {
   fields.flag("--overwrite", "replace an existing file", request.overwrite);
   add_checkpoint_fields(fields.group("Long runs"), request.checkpoint);
   add_scratch_memory(fields, request.memory);
+  add_partial(fields, request.partial);
 }
 
 LinesPlan plan(const LinesRequest& request) {

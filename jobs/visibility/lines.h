@@ -32,7 +32,7 @@ struct LinesRequest : VisibilityRequest {
   CheckpointRequest checkpoint;
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_lines_fields(const Fields& fields, LinesRequest& request);
 
 /// A checked request.

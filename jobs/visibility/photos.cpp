@@ -15,6 +15,7 @@
 #include "geo/geopackage.h"
 #include "image/read_image.h"
 #include "jobs/camera_file.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
@@ -286,11 +287,13 @@ void add_answers(const Fields& fields, PhotosRequest& photos) {
 }  // namespace
 
 void add_photos_fields(const Fields& fields, PhotosRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   add_photos(fields, request);
   add_occluder_fields(fields, request.occluders);
   add_answers(fields, request);
   add_checkpoint_fields(fields.group("Long runs"), request.checkpoint);
   add_scratch_memory(fields, request.memory);
+  add_partial(fields, request.partial);
 }
 
 PhotosPlan plan(const PhotosRequest& request) {

@@ -32,7 +32,7 @@ struct PhotosRequest : VisibilityRequest {
   CheckpointRequest checkpoint;
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_photos_fields(const Fields& fields, PhotosRequest& request);
 
 /// A checked request, with its cameras.

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/remote_map.h"
 #include "image/image_file.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
@@ -141,12 +142,14 @@ void add_answers(const Fields& place, PlaceRequest& request) {
 }  // namespace
 
 void add_place_fields(const Fields& fields, PlaceRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   add_observer_fields(fields, request.candidates);
   add_targets(fields, request);
   add_occluder_fields(fields, request.occluders);
   add_answers(fields, request);
   add_checkpoint_fields(fields.group("Long runs"), request.checkpoint);
   add_scratch_memory(fields, request.memory);
+  add_partial(fields, request.partial);
 }
 
 PlacePlan plan(const PlaceRequest& request) {

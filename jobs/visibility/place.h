@@ -32,7 +32,7 @@ struct PlaceRequest : VisibilityRequest {
   std::filesystem::path curve;  ///< empty: none
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_place_fields(const Fields& fields, PlaceRequest& request);
 
 /// A checked request.

@@ -13,6 +13,7 @@
 #include "base/output_file.h"
 #include "base/remote_map.h"
 #include "base/words.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
@@ -201,11 +202,13 @@ void add_answers(const Fields& points, PointsRequest& request) {
 }  // namespace
 
 void add_points_fields(const Fields& fields, PointsRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   add_observer_fields(fields, request.observers);
   add_occluder_fields(fields, request.occluders);
   add_answers(fields, request);
   add_checkpoint_fields(fields.group("Long runs"), request.checkpoint);
   add_scratch_memory(fields, request.memory);
+  add_partial(fields, request.partial);
 }
 
 PointsPlan plan(const PointsRequest& request) {

@@ -29,7 +29,7 @@ struct PointsRequest : VisibilityRequest {
   std::filesystem::path lists;             ///< empty: none
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_points_fields(const Fields& fields, PointsRequest& request);
 
 /// A checked request.

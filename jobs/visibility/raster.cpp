@@ -11,6 +11,7 @@
 #include "base/remote_map.h"
 #include "base/shown_text.h"
 #include "geo/raster_file.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
@@ -339,6 +340,7 @@ std::string ObjectRequest::given() const {
 }
 
 void add_raster_fields(const Fields& fields, RasterRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   const Fields map = fields.group(k_map_group);
   map.required().file("-o,--output", "FILE.tif", "output map: cloud-optimised GeoTIFF", request.output);
   map.flag("--overwrite", "replace existing files", request.overwrite);
@@ -351,6 +353,7 @@ void add_raster_fields(const Fields& fields, RasterRequest& request) {
   add_occluder_fields(fields, request.occluders);
   add_checkpoint_fields(fields.group("Long runs"), request.checkpoint);
   add_scratch_memory(fields, request.memory);
+  add_partial(fields, request.partial);
 }
 
 RasterPlan plan(const RasterRequest& request) {

@@ -56,7 +56,7 @@ struct RasterRequest : VisibilityRequest {
   }
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_raster_fields(const Fields& fields, RasterRequest& request);
 
 /// A checked request.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/remote_map.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/visibility/long_run.h"
 #include "jobs/write_points.h"
 #include "visibility/sky/sky_of_cloud.h"
@@ -69,10 +70,12 @@ SkyViews point_sky(const SkyRequest& request, const VisibilityCloud& cloud, Long
 }  // namespace
 
 void add_sky_fields(const Fields& fields, SkyRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   add_sky_site_fields(fields, request);
   fields.group("Answers").count("--directions", "N",
                                 "lines of sight per point or cell (default: 128, for an error of about 0.01)",
                                 request.directions, 1, visibility::k_most_sky_directions);
+  add_partial(fields, request.partial);
 }
 
 SkyPlan plan(const SkyRequest& request) {

@@ -19,7 +19,7 @@ struct SkyRequest : SkySiteRequest {
   int directions = 128;
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_sky_fields(const Fields& fields, SkyRequest& request);
 
 /// A checked request.

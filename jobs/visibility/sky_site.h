@@ -36,7 +36,7 @@ struct SkySiteRequest : VisibilityRequest {
   bool is_map() const;
 };
 
-/// Declares the fields of both but those of the cloud and of how the job runs.
+/// Declares the fields of both but those of the cloud.
 void add_sky_site_fields(const Fields& fields, SkySiteRequest& request);
 
 /// Errors that need no cloud: an output of another format, or that cannot be written; fields that do not

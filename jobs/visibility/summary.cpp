@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/remote_map.h"
+#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/long_run.h"
@@ -68,11 +69,13 @@ void add_answers(const Fields& summary, SummaryRequest& request) {
 }  // namespace
 
 void add_summary_fields(const Fields& fields, SummaryRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   add_observer_fields(fields, request.observers);
   add_occluder_fields(fields, request.occluders);
   add_answers(fields, request);
   add_checkpoint_fields(fields.group("Long runs"), request.checkpoint);
   add_scratch_memory(fields, request.memory);
+  add_partial(fields, request.partial);
 }
 
 SummaryPlan plan(const SummaryRequest& request) {

@@ -22,7 +22,7 @@ struct SummaryRequest : VisibilityRequest {
   CheckpointRequest checkpoint;
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_summary_fields(const Fields& fields, SummaryRequest& request);
 
 /// A checked request.

@@ -307,6 +307,7 @@ MapMetadata sun_metadata(const SunRequest& request, const SunSky& sun) {
 }
 
 void add_sun_fields(const Fields& fields, SunRequest& request) {
+  add_cloud(fields, request.files, {"--ignore-classes"});
   add_sky_site_fields(fields, request);
   add_time(fields, request);
   add_light(fields, request);
@@ -314,6 +315,7 @@ void add_sun_fields(const Fields& fields, SunRequest& request) {
   fields.group(k_observer_group)
       .file("--diagram", "FILE.png", "also draw the paths of the sun over the skyline of a single observer",
             request.diagram);
+  add_partial(fields, request.partial);
 }
 
 }  // namespace alidade::jobs

@@ -69,7 +69,7 @@ struct SunSky {
   visibility::SunLight light;
 };
 
-/// Declares all fields but those of the cloud and of how the job runs.
+/// Declares all fields.
 void add_sun_fields(const Fields& fields, SunRequest& request);
 
 /// The sun over a site, as one stage. `targets`: the number of receivers, if they are few: every step is

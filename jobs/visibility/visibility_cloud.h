@@ -2,7 +2,6 @@
 #pragma once
 
 #include <bitset>
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -36,12 +35,9 @@ void add_occluder_fields(const Fields& fields, OccluderRequest& request);
 /// Declares --ignore-classes, by default noise. `effect`: what points of these classes do, as help.
 void add_ignored_classes(const Fields& fields, const std::string& effect, std::bitset<256>& classes);
 
-/// What all jobs on visibility are requested with.
+/// What all jobs on visibility are requested with; their add_X_fields() declare all of it.
 struct VisibilityRequest : CloudRequest {
   OccluderRequest occluders;
-  std::filesystem::path output;
-  std::optional<std::size_t> memory;  ///< of scratch_beside() the output
-  bool overwrite = false;
 
   /// The files of cloud, meshes and terrain, and other files that are read.
   std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;

@@ -11,7 +11,12 @@ _File = str | PathLike[str]
 _Pair = str | tuple[float, float]
 
 def raster(files: _File | Sequence[_File], *, workers: int = -1, progress: Callable[[int, int], Any] | None = None,
-           note: Callable[[str], Any] | None = None, output: _File | None = None, overwrite: bool = False,
+           note: Callable[[str], Any] | None = None, classes: str | Sequence[int] | None = None, where: str | None = None,
+           crop: _File | Sequence[float] | None = None, crop_crs: str | None = None,
+           columns: str | Sequence[str] | None = None, crs: str | None = None, reproject: str | None = None,
+           vertical_unit: Literal["m", "ft", "us-ft"] | None = None, cache: _File | None = None,
+           allow_host: str | Sequence[str] | None = None, cache_size: int | str | None = None, partial: bool = False,
+           output: _File | None = None, overwrite: bool = False,
            preview: _File | None = None, resolution: float | None = None,
            extent: str | tuple[float, float, float, float] | None = None,
            ground: Literal["auto", "class", "lowest", "highest"] | None = None, ground_cell: float | None = None,

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -98,6 +99,16 @@ TEST_F(FieldTableTest, wrong_uses_name_the_field) {
   table->give("radius", {"10"});
   table->give("target_count", {"1"});
   EXPECT_EQ(error_of_reading(), "target-count excludes radius");
+}
+
+TEST_F(FieldTableTest, the_command_has_operands_before_options_and_no_outputs) {
+  table->give("radius", {"1"});
+  table->give("output", {"a.tif"});
+  table->give("name", {"two words"});
+  table->give("cloud", {"/site/a.las", "b.las"});
+  EXPECT_EQ(command_text(*table), "alidade thing a.las b.las --radius 1 --name \"two words\"");
+  EXPECT_EQ(command_text(*table, std::array<std::string_view, 1>{"radius"}),
+            "alidade thing a.las b.las --name \"two words\"");
 }
 
 TEST_F(FieldTableTest, a_field_that_needs_another_is_not_read_alone) {

@@ -15,7 +15,6 @@
 #include "cloud/las/write_las.h"
 #include "geo/crs_library.h"
 #include "jobs/field_table.h"
-#include "jobs/load_cloud.h"
 #include "tests/jobs/heard.h"
 #include "tests/support/garden.h"
 
@@ -84,10 +83,9 @@ class RasterJobTest : public ::testing::Test {
       jobs::RasterRequest request;
       const auto table = std::make_shared<jobs::FieldTable>("raster");
       jobs::add_raster_fields(jobs::Fields(table), request);
+      table->give("cloud", {cloud});
       give(*table, words);
       table->read();
-      const std::filesystem::path name = cloud;
-      request.files = resolve_clouds({&name, 1}, jobs::cloud_formats());
       const jobs::RasterResult made = run(jobs::plan(request), result.heard);
       map = {.columns = made.grid.columns,
              .rows = made.grid.rows,

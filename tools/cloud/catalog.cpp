@@ -25,7 +25,6 @@
 #include "geo/reproject.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -366,7 +365,7 @@ Command add_catalog(const Options& program) {
   auto command = std::make_shared<CatalogCommand>();
   const Options catalog =
       program.command("catalog", "List many clouds with their bounds, so that few need be opened");
-  add_cache_options(catalog);  // before the files, whose names are resolved as they are read
+  add_remote_fields(catalog);  // before the files, whose names are resolved as they are read
   catalog.required().words(
       "cloud", "CLOUD...",
       "cloud files, folders or patterns such as 'tiles/*.copc.laz', or an earlier catalog",

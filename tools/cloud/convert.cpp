@@ -31,7 +31,6 @@
 #include "tools/cloud/index.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -330,7 +329,7 @@ Command add_convert(const Options& program) {
   auto command = std::make_shared<ConvertCommand>();
   const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
   add_cloud_files(convert.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
-                  command->files, add_view_options(convert, {}, HeightUse::as_stored));
+                  command->files, add_view_fields(convert, {}, HeightUse::as_stored));
   convert.required().file("-o,--output", "FILE.las|.laz|.copc.laz|.ply|.csv|.xyz|.alidade|.parquet",
                           "output file; the extension selects the format", command->output);
   convert.count("--every", "N", "keep the first point and every N-th after it", command->every, 1,

@@ -24,7 +24,6 @@
 #include "octree/spacing.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -319,8 +318,7 @@ void write_index(const std::filesystem::path& path, ScratchCloud& cloud, const I
 Command add_index(const Options& program) {
   auto command = std::make_shared<IndexCommand>();
   const Options index = program.command("index", "Build an index file, which replaces cloud files");
-  add_cloud_files(index.required(), "files", "FILE...", k_files_help, command->files,
-                  add_view_options(index));
+  add_cloud_files(index.required(), "files", "FILE...", k_files_help, command->files, add_view_fields(index));
   index.required().file("-o,--output", "FILE.alidade", "output index file", command->output);
   index.choice(
       "--organisation",

@@ -24,7 +24,6 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/statistics.h"
 #include "tools/command.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -467,7 +466,7 @@ Command add_info(const Options& program) {
   auto options = std::make_shared<InfoOptions>();
   const Options command = program.command("info", "Describe cloud files");
   add_cloud_files(command.required(), "files", "FILE...", k_files_help + k_database_help, options->files,
-                  add_view_options(command, {}, HeightUse::as_stored));
+                  add_view_fields(command, {}, HeightUse::as_stored));
   command.flag("--json", "print JSON instead of a table; the keys are below", options->json);
   command.flag(
       "--stats",

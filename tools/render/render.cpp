@@ -23,7 +23,6 @@
 #include "tools/render/long_render.h"
 #include "tools/render/render_options.h"
 #include "tools/render/views.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -460,7 +459,7 @@ ExitCode run(const RenderCommand& given) {
 
   CloudInputs clouds = command.files;
   if (scene.cloud && clouds.empty())
-    clouds = command.view->apply(resolve_clouds(scene.cloud->files, cloud_formats()));
+    clouds = command.view.apply(resolve_clouds(scene.cloud->files, cloud_formats()));
   if (scene.cloud && !command.long_render.preview.empty() && !resumed && !images.empty())
     show_first_looks(command, scene, clouds, views.empty() ? nullptr : &images.front().view);
   std::optional<renderer::LoadedCloud> loaded;

@@ -14,7 +14,6 @@
 #include "simulation/courtyard.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/render/site_surfaces.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -172,7 +171,7 @@ bool is_scene(const std::filesystem::path& file) {
 void take_scene_or_cloud(const std::vector<std::string>& words, RenderCommand& command) {
   const auto scene = std::ranges::find_if(words, is_scene);
   if (scene == words.end()) {
-    command.files = command.view->apply(
+    command.files = command.view.apply(
         resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats()));
     return;
   }
@@ -277,7 +276,7 @@ void check_depth_alone(const RenderCommand& command) {
 
 std::shared_ptr<RenderCommand> add_render_options(const Fields& render) {
   auto command = std::make_shared<RenderCommand>();
-  command->view = add_view_options(render);
+  command->view = add_view_fields(render);
   const Field scene =
       render.words("scene", "SCENE.json|CLOUD...",
                    "scene file; or " + k_files_help + ", rendered without one" + k_database_help,

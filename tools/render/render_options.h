@@ -31,7 +31,7 @@ struct RadiusRequest {
 /// The command line of `alidade render`. Members that are empty leave the scene unchanged.
 struct RenderCommand : CloudRequest {
   std::filesystem::path scene_file;
-  std::shared_ptr<ViewRequest> view;          ///< of the clouds, also those of a scene
+  CloudView view;                             ///< of the clouds, also those of a scene
   std::vector<std::filesystem::path> meshes;  ///< in world coordinates
   bool exact_site = false;                    ///< the courtyard itself instead of a scan
   bool in_view = false;                       ///< of a cloud in a database, only what the cameras see is read

@@ -11,7 +11,6 @@
 #include "database/sqlite/store_cloud.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -36,7 +35,7 @@ void add_load_options(const Fields& command, LoadOptions& options) {
 
 struct LoadCommand : LoadOptions {
   std::vector<std::filesystem::path> files;  ///< the last one is the database
-  std::shared_ptr<ViewRequest> view;
+  CloudView view;
   database::StoreOptions store;
 };
 
@@ -67,7 +66,7 @@ database::ServerName server_name(const LoadCommand& command) {
 
 ExitCode run(const LoadCommand& command) {
   const std::filesystem::path& database = command.files.back();
-  const CloudInputs files = command.view->apply(
+  const CloudInputs files = command.view.apply(
       resolve_clouds(std::span(command.files).first(command.files.size() - 1), cloud_formats()));
   std::optional<database::ServerName> server;
   if (database::is_server_name(database.string())) {
@@ -125,7 +124,7 @@ Command add_sql_load(const Options& sql) {
       "database, an SQLite file, created if missing, or 'postgresql://HOST/DATABASE?table=NAME'",
       [command](const std::vector<std::string>& words) { command->files.assign(words.begin(), words.end()); },
       2);
-  command->view = add_view_options(load);
+  command->view = add_view_fields(load);
   load.text("--table", "NAME", "table name of the cloud (default: points)", command->store.table);
   load.count("--chunk-points", "N", "points per chunk of SQLite, 1 to 65536 (default: 1024)",
              command->store.chunk_points, 1, 65536);
@@ -138,7 +137,7 @@ Command add_sql_shard_plan(const Options& sql) {
   auto command = std::make_shared<ShardPlanCommand>();
   const Options plan =
       sql.command("shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers");
-  add_cloud_files(plan.required(), "files", "FILE...", k_files_help, command->files, add_view_options(plan));
+  add_cloud_files(plan.required(), "files", "FILE...", k_files_help, command->files, add_view_fields(plan));
   plan.required().file("-o,--output", "FOLDER", "output folder", command->output);
   plan.required().words(
       "--shard", "HOST[:PORT]/DATABASE...",

@@ -25,7 +25,6 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/sql/statements.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -373,7 +372,7 @@ Command add_sql(const Options& program) {
   sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
            command->explain);
   add_run_options(sql, *command);
-  add_cache_options(sql);
+  add_remote_fields(sql);
   Command added = command_of(sql, command, run);
   added.run = [command, statement, with_words = added.run](const CommandLine& words) {
     command->has_statement = statement.given();

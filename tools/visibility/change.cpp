@@ -5,9 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -72,33 +70,16 @@ void show_changes(const jobs::ChangeResult& result, bool as_json) {
               : table_of("BEFORE", result.before) + "\n" + table_of("AFTER", result.after));
 }
 
-void add_epoch(const Fields& change, const char* operand, jobs::EpochRequest& epoch,
-               const std::shared_ptr<ViewRequest>& view) {
-  change.required().value(
-      operand, epoch.name,
-      std::string(
-          "the cloud of this epoch: a file, a folder, a quoted pattern such as 'tiles/*.las', an index file "
-          "(.alidade)") +
-          k_database_help,
-      [&epoch, view](const std::string& text) {
-        epoch.files = view->apply(resolve_clouds(std::vector<std::filesystem::path>{text}, cloud_formats()));
-      });
-}
-
 }  // namespace
 
 Command add_change(const Options& program) {
   const auto command = std::make_shared<ChangeCommand>();
-  jobs::ChangeRequest& request = command->request;
   const Options change =
       program.command("change", "Find what has moved, gone or come between two scans, or was never seen");
-  const auto view = add_view_options(change, {"--ignore-classes"});
-  add_epoch(change, "before", request.before, view);
-  add_epoch(change, "after", request.after, view);
-  jobs::add_change_fields(change, request);
-  change.flag("--json", "print JSON instead of a table; the keys are below", command->json);
-  jobs::add_change_writing(change, request);
-  add_run_options(change, request.partial, request.threads, command->verbosity);
+  jobs::add_change_fields(change, command->request, [&] {
+    change.flag("--json", "print JSON instead of a table; the keys are below", command->json);
+  });
+  add_job_options(change, *command);
   const std::shared_ptr<JobCommand<jobs::ChangeRequest>> job = command;
   return job_command(change, job, [command](const jobs::ChangePlan&, const jobs::ChangeResult& result) {
     show_changes(result, command->json);

@@ -33,17 +33,6 @@ ExitCode show_horizon(const jobs::HorizonPlan& plan, const jobs::HorizonResult& 
   return ExitCode::done;
 }
 
-/// A command of one cloud whose fields `add_fields` declares.
-template <class Request, class... Show>
-Command command_on_cloud(const Options& options, void (*add_fields)(const Fields&, Request&), Show... show) {
-  const auto command = std::make_shared<JobCommand<Request>>();
-  Request& request = command->request;
-  add_cloud(options, request.files, {"--ignore-classes"});
-  add_fields(options, request);
-  add_run_options(options, request.partial, request.threads, command->verbosity);
-  return job_command(options, command, show...);
-}
-
 }  // namespace
 
 Command add_visibility(const Options& program) {
@@ -54,27 +43,24 @@ Command add_visibility(const Options& program) {
   return {
       group,
       {},
-      {command_on_cloud(named("points", "Compute the visibility of every point, and what blocks it"),
-                        jobs::add_points_fields),
-       command_on_cloud(named("raster", "Compute a viewshed of the ground, or of objects from the ground")
-                            .also_called("viewshed"),
-                        jobs::add_raster_fields),
-       command_on_cloud(
-           named("horizon", "Compute the horizon, sky-view factors and a panorama at one position"),
-           jobs::add_horizon_fields, show_horizon),
-       command_on_cloud(named("sky", "Compute sky-view factors of points or of the ground"),
-                        jobs::add_sky_fields),
-       command_on_cloud(
+      {job_command(named("points", "Compute the visibility of every point, and what blocks it"),
+                   jobs::add_points_fields),
+       job_command(named("raster", "Compute a viewshed of the ground, or of objects from the ground")
+                       .also_called("viewshed"),
+                   jobs::add_raster_fields),
+       job_command(named("horizon", "Compute the horizon, sky-view factors and a panorama at one position"),
+                   jobs::add_horizon_fields, show_horizon),
+       job_command(named("sky", "Compute sky-view factors of points or of the ground"), jobs::add_sky_fields),
+       job_command(
            named("sun", "Compute hours of direct sun and radiation on points, on the ground or at positions"),
            jobs::add_sun_fields),
-       command_on_cloud(
-           named("lines", "Test lines of sight between pairs of positions, and their Fresnel zones"),
-           jobs::add_lines_fields),
-       command_on_cloud(named("place", "Choose the few observer positions that see most"),
-                        jobs::add_place_fields, place_code),
-       command_on_cloud(named("summary", "Summarize what each observer sees in one row"),
-                        jobs::add_summary_fields),
-       command_on_cloud(
+       job_command(named("lines", "Test lines of sight between pairs of positions, and their Fresnel zones"),
+                   jobs::add_lines_fields),
+       job_command(named("place", "Choose the few observer positions that see most"), jobs::add_place_fields,
+                   place_code),
+       job_command(named("summary", "Summarize what each observer sees in one row"),
+                   jobs::add_summary_fields),
+       job_command(
            named("photos", "Compute which photos see which points, their footprints, and colours of points"),
            jobs::add_photos_fields, photos_code)}};
 }
