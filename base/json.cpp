@@ -339,6 +339,11 @@ std::vector<std::pair<std::string, JsonNode>> JsonNode::members() const {
   return all;
 }
 
+bool JsonNode::is_word(std::string_view word) const {
+  if (is_string()) choice({&word, 1});
+  return is_string();
+}
+
 bool JsonNode::boolean() const {
   const auto* value = std::get_if<bool>(&value_->data);
   if (!value) fail("wrong type", "true or false");
@@ -361,10 +366,9 @@ std::optional<JsonNode> JsonNode::find(std::string_view key) const {
   return {};
 }
 
-JsonFields::JsonFields(const JsonNode& node, std::initializer_list<std::string_view> known) : node_(node) {
+JsonFields::JsonFields(const JsonNode& node, std::span<const std::string_view> words) : node_(node) {
   const auto* object = std::get_if<JsonObject>(&node.value().data);
   if (!object) node.fail("wrong type", "an object");
-  const std::span<const std::string_view> words(known.begin(), known.size());
   for (const JsonMember& member : *object) {
     if (std::ranges::find(words, member.key) != words.end()) continue;
     const JsonDocument& document = *node.document_;
@@ -377,11 +381,6 @@ JsonFields::JsonFields(const JsonNode& node, std::initializer_list<std::string_v
 JsonNode JsonFields::require(std::string_view key) const {
   if (auto node = node_.find(key)) return *node;
   node_.fail(fmt::format("missing key \"{}\"", key), "", "");
-}
-
-JsonNode type_of(const JsonNode& node, std::initializer_list<std::string_view> known) {
-  if (const auto type = node.find("type")) return *type;
-  return JsonFields(node, known).require("type");
 }
 
 void read_version(const JsonNode& version) {

@@ -77,6 +77,7 @@ class JsonNode {
 
   const JsonValue& value() const { return *value_; }
   const std::string& pointer() const { return pointer_; }
+  const std::string& document_name() const { return document_->name; }
   bool is_object() const { return std::holds_alternative<JsonObject>(value_->data); }
   bool is_array() const { return std::holds_alternative<JsonArray>(value_->data); }
   bool is_number() const {
@@ -84,6 +85,8 @@ class JsonNode {
            std::holds_alternative<std::uint64_t>(value_->data);
   }
   bool is_string() const { return std::holds_alternative<std::string>(value_->data); }
+  /// Whether the value is `word` instead of one of another type. Errors: another word.
+  bool is_word(std::string_view word) const;
 
   double number(const NumberRange& range = {}) const;
   /// Whole number, also written as 5.0 or 5e1.
@@ -124,7 +127,9 @@ class JsonNode {
 /// Access to an object with a fixed set of keys: another key is an error that names the nearest of `known`.
 class JsonFields {
  public:
-  JsonFields(const JsonNode& node, std::initializer_list<std::string_view> known);
+  JsonFields(const JsonNode& node, std::span<const std::string_view> known);
+  JsonFields(const JsonNode& node, std::initializer_list<std::string_view> known)
+      : JsonFields(node, std::span(known.begin(), known.size())) {}
 
   std::optional<JsonNode> find(std::string_view key) const { return node_.find(key); }
   JsonNode require(std::string_view key) const;
@@ -132,9 +137,6 @@ class JsonFields {
  private:
   JsonNode node_;
 };
-
-/// The "type" of an object that has several kinds; `known` are the keys of all kinds.
-JsonNode type_of(const JsonNode& node, std::initializer_list<std::string_view> known);
 
 /// "version" of our own files must be 1.
 void read_version(const JsonNode& version);

@@ -7,117 +7,11 @@
 
 #include "camera/camera_json.h"
 #include "renderer/integrator.h"
+#include "renderer/scene_forms.h"
 #include "renderer/sky.h"
-
-// Structs are taken apart by structured bindings: a field that is added to one of them does not compile here
-// until it is written too.
 
 namespace alidade::renderer {
 namespace {
-
-class Text {
- public:
-  void add(double number) { add_word(fmt::format("{:.17g}", number)); }
-  void add(int number) { add_word(std::to_string(number)); }
-  void add(const std::string& text) { add_word(fmt::format("{}:{}", text.size(), text)); }
-  /// What is in a file counts by its checksum: parts of an image come from machines with other folders.
-  void add(const std::filesystem::path& path) { add(path.filename().string()); }
-  void add(const Rgb& color) { add_all(double{color.r}, double{color.g}, double{color.b}); }
-  void add(const glm::dvec3& position) { add_all(position.x, position.y, position.z); }
-
-  template <class Enum>
-  requires std::is_enum_v<Enum>
-  void add(Enum value) { add(static_cast<int>(value)); }
-  template <class Value>
-  void add(const std::optional<Value>& value) {
-    if (value)
-      add(*value);
-    else
-      add_word("none");
-  }
-  template <class Value>
-  void add(const std::vector<Value>& values) {
-    add(static_cast<int>(values.size()));
-    for (const Value& value : values) add(value);
-  }
-  template <class... Alternatives>
-  void add(const std::variant<Alternatives...>& value) {
-    add(static_cast<int>(value.index()));
-    std::visit([this](const auto& alternative) { this->add(alternative); }, value);
-  }
-
-  void add(const Lambertian& material) { add_fields<1>(material); }
-  void add(const Metal& material) { add_fields<2>(material); }
-  void add(const Dielectric& material) { add_fields<1>(material); }
-  void add(const Emissive& material) { add_fields<1>(material); }
-  void add(const AdaptedRadius& radius) { add_fields<3>(radius); }
-  void add(const Color16& color) { add_all(int{color.x}, int{color.y}, int{color.z}); }
-  void add(const image::ValueRange& range) { add_fields<2>(range); }
-  void add(const image::ClassColor& each) {
-    const auto& [number, color, name] = each;
-    add_all(int{number}, color, name);
-  }
-  void add(const image::PointColoring& coloring) {
-    const auto& [by, attribute, map, range, percentiles, classes] = coloring;
-    add_all(by, attribute, map, range, percentiles, classes);
-  }
-  void add(const CloudSettings& cloud) {
-    const auto& [files, partial, color_depth, radius, adapted_radius, hits, color, material, normals, shape,
-                 max_level] = cloud;
-    add_all(files, partial, color_depth, radius, adapted_radius, hits, color, material, normals, shape,
-            max_level);
-  }
-  void add(const Sphere& sphere) { add_fields<3>(sphere); }
-  void add(const GroundPlane& plane) { add_fields<2>(plane); }
-  void add(const Model& model) {
-    const auto& [surfaces, material, mesh] = model;
-    // The name of a mesh has file, placement and a checksum.
-    add_all(surfaces->name(), material);
-  }
-  void add(const ConstantSky& sky) { add_fields<1>(sky); }
-  void add(const GradientSky& sky) { add_fields<2>(sky); }
-  void add(const ImageSky& sky) {
-    const auto& [file, scale, rotation, image] = sky;
-    add_all(file, scale, rotation);
-    if (!image) return;
-    const image::SkyPixels& pixels = image->pixels();
-    add_all(pixels.width, pixels.height);
-    add_word(fmt::format("{:016x}", checksum(std::as_bytes(std::span(pixels.values)))));
-  }
-  void add(const geo::Sun& sun) {
-    const auto& [azimuth, elevation, irradiance, angular_diameter] = sun;
-    add_all(azimuth, elevation, irradiance, angular_diameter);
-  }
-
-  std::string take() { return std::move(text_); }
-
- private:
-  template <class... Values>
-  void add_all(const Values&... values) {
-    (add(values), ...);
-  }
-
-  /// Of a struct with so many fields.
-  template <int count, class Struct>
-  void add_fields(const Struct& fields) {
-    if constexpr (count == 1) {
-      const auto& [a] = fields;
-      add(a);
-    } else if constexpr (count == 2) {
-      const auto& [a, b] = fields;
-      add_all(a, b);
-    } else {
-      const auto& [a, b, c] = fields;
-      add_all(a, b, c);
-    }
-  }
-  void add_word(const std::string& word) {
-    if (!text_.empty()) text_ += ' ';
-    text_ += word;
-  }
-
-  std::string text_;
-};
 
 std::string cloud_checksum(const LoadedCloud& cloud) {
   std::vector<std::uint64_t> sums;
@@ -150,16 +44,41 @@ std::string file_names(const CloudSettings& settings) {
 
 }  // namespace
 
-template <class Part>
-std::string text_of(const Part& part) {
-  Text text;
-  text.add(part);
-  return text.take();
+// What is in a file counts by its checksum: parts of an image come from machines with other folders.
+
+std::string text_of(CloudSettings settings) {
+  for (std::filesystem::path& file : settings.files) file = file.filename();
+  return cloud_form().write(settings).dump();
 }
-template std::string text_of(const CloudSettings&);
-template std::string text_of(const std::vector<Object>&);
-template std::string text_of(const Sky&);
-template std::string text_of(const std::optional<geo::Sun>&);
+
+std::string text_of(const std::vector<Object>& objects) {
+  Json all = Json::array();
+  for (const Object& object : objects) {
+    // The name of a mesh has file, placement and a checksum.
+    if (const Model* const model = std::get_if<Model>(&object))
+      all.push_back({model->surfaces->name(), material_form().write(model->material)});
+    else
+      all.push_back(scene_object_form().write(object));
+  }
+  return all.dump();
+}
+
+std::string text_of(Sky sky) {
+  ImageSky* const image = std::get_if<ImageSky>(&sky);
+  if (image == nullptr) return sky_form().write(sky).dump();
+  image->file = image->file.filename();
+  Json written = sky_form().write(sky);
+  if (image->image) {
+    const image::SkyPixels& pixels = image->image->pixels();
+    written["pixels"] = {pixels.width, pixels.height,
+                         fmt::format("{:016x}", checksum(std::as_bytes(std::span(pixels.values))))};
+  }
+  return written.dump();
+}
+
+std::string text_of(const std::optional<geo::Sun>& sun) {
+  return sun ? sun_form().write(*sun).dump() : "none";
+}
 
 Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options) {
   // Taken apart as the scene is: a new setting must be written here, too.

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/fingerprint.h"
 #include "renderer/render.h"
 
 namespace alidade::renderer {
 
-// Parts of a scene as texts that are equal exactly if the parts are: numbers with 17 significant digits, no
-// field left out. They are for comparing, not for reading back.
+// Parts of a scene as texts that are equal exactly if the parts are. They are for comparing, not for reading
+// back.
 
-/// Of CloudSettings, std::vector<Object>, Sky or std::optional<geo::Sun>.
-template <class Part>
-std::string text_of(const Part& part);
+std::string text_of(CloudSettings settings);
+/// Requires surfaces for every Model.
+std::string text_of(const std::vector<Object>& objects);
+std::string text_of(Sky sky);
+std::string text_of(const std::optional<geo::Sun>& sun);
 
 /// The fingerprint of the image that render() would make: everything its samples depend on, in a fixed order
 /// in which causes come first, such as the cloud before a camera that shows it. Different numbers have

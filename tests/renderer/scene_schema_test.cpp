@@ -2,19 +2,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <set>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "camera/camera_json.h"
 #include "renderer/read_scene.h"
+#include "renderer/scene_forms.h"
 #include "tests/renderer/describe_scene.h"
 #include "tests/renderer/schema_validator.h"
 
-// The JSON Schemas are the reference for scene and camera files. Reader and schemas are compared by documents
-// that use every key, and by small changes to them: whatever the change, both must accept or both must
-// reject.
+// The JSON Schemas are the reference for scene and camera files; that of scenes is written from
+// renderer/scene_forms.h. Reader and schemas are compared by documents that use every key, and by small
+// changes to them: whatever the change, both must accept or both must reject.
 
 namespace alidade::test {
 
@@ -118,6 +121,11 @@ std::vector<Sample> samples() {
     "height": 1830, "pressure": 820, "temperature": 11, "irradiance": [1, 2, 3], "angular_diameter": 1})");
   scene["render"] = Json::parse(R"({"mode": "ambient_occlusion", "ao_distance": 2.5})");
   all.push_back({"scene.schema.json", scene});
+  // Kinds of materials that nothing above has.
+  for (const char* material : {R"({"type": "dielectric", "refractive_index": 1.3})",
+                               R"({"type": "emissive", "radiance": [1, 2, 3]})"})
+    all.push_back({"scene.schema.json",
+                   {{"version", 1}, {"cloud", {{"file", "a.las"}, {"material", Json::parse(material)}}}}});
   return all;
 }
 
@@ -180,6 +188,50 @@ class SceneSchemaTest : public ::testing::Test {
  protected:
   SchemaValidator validator_{k_scenes / "schema"};
 };
+
+/// On one line, as people write JSON.
+std::string line_of(const alidade::Json& value) {
+  if (!value.is_structured() || value.empty()) return value.dump();
+  std::string line;
+  for (const auto& [key, member] : value.items()) {
+    if (!line.empty()) line += ", ";
+    if (value.is_object()) line += alidade::Json(key).dump() + ": ";
+    line += line_of(member);
+  }
+  return value.is_array() ? "[" + line + "]" : "{ " + line + " }";
+}
+
+/// On one line where that is short, else with a line for each member.
+std::string lines_of(const alidade::Json& value, const std::string& indent = "") {
+  constexpr std::size_t k_longest_line = 110;
+  const std::string line = line_of(value);
+  if (!value.is_structured() || indent.size() + line.size() <= k_longest_line) return line;
+  std::string lines;
+  for (const auto& [key, member] : value.items()) {
+    lines += (lines.empty() ? "\n  " : ",\n  ") + indent;
+    if (value.is_object()) lines += alidade::Json(key).dump() + ": ";
+    lines += lines_of(member, indent + "  ");
+  }
+  return (value.is_array() ? "[" : "{") + lines + "\n" + indent + (value.is_array() ? "]" : "}");
+}
+
+TEST_F(SceneSchemaTest, the_schema_of_scenes_is_that_of_the_forms) {
+  const std::filesystem::path file = k_scenes / "schema/scene.schema.json";
+  const std::string expected = lines_of(scene_form().schema) + "\n";
+  if (std::getenv("ALIDADE_WRITE_SCHEMA") != nullptr) std::ofstream(file) << expected;
+  EXPECT_EQ(read_text_file(file), expected) << "run this test with ALIDADE_WRITE_SCHEMA=1, then "
+                                               "tests/support/scene_tables.py --write";
+}
+
+TEST_F(SceneSchemaTest, a_scene_is_written_as_it_is_read) {
+  for (const Sample& sample : samples()) {
+    if (sample.schema != "scene.schema.json") continue;
+    const Scene scene = parse_scene(sample.document.dump(), "none/scene.json");
+    const std::string text = scene_form().write(scene).dump();
+    EXPECT_TRUE(validator_.validate(sample.schema, Json::parse(text))) << text;
+    EXPECT_EQ(describe(parse_scene(text, "scene.json")), describe(scene)) << text;
+  }
+}
 
 TEST_F(SceneSchemaTest, reader_and_schema_accept_documents_that_use_every_key) {
   std::set<const Json*> used;

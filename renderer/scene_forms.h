@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "base/json_form.h"
+#include "renderer/scene.h"
+
+// Every setting of a scene file, described once: its key, the member that it sets, what is allowed, and what
+// it means. Reader, schema (scenes/schema/scene.schema.json), tables of docs/scene_format.md and fingerprints
+// of images follow from it. Defaults are those of the structs.
+
+namespace alidade::renderer {
+
+/// A whole scene file. Written is what such a file can say; names of files as they are in the scene.
+const JsonForm<Scene>& scene_form();
+
+const JsonForm<CloudSettings>& cloud_form();
+const JsonForm<Sky>& sky_form();
+const JsonForm<geo::Sun>& sun_form();
+/// Of points and triangles, which have colours of their own, so that the albedo may be left out.
+const JsonForm<Material>& material_form();
+/// Requires for writing: a Model is a mesh in a file.
+const JsonForm<Object>& scene_object_form();
+
+}  // namespace alidade::renderer
