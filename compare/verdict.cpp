@@ -288,6 +288,13 @@ bool Verdict::pass() const {
   return std::ranges::none_of(judged, &JudgedThreshold::fails);
 }
 
+std::vector<std::string> failures(const Verdict& verdict) {
+  std::vector<std::string> texts;
+  for (const JudgedThreshold& judged : verdict.judged)
+    if (judged.fails) texts.push_back(fmt::format("{}: {:.6g}", to_text(judged.threshold), judged.value));
+  return texts;
+}
+
 Verdict judge(const Comparison& comparison, const std::vector<Threshold>& thresholds) {
   Verdict verdict;
   for (const Threshold& threshold : thresholds) {

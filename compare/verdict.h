@@ -91,6 +91,9 @@ struct Verdict {
   bool pass() const;
 };
 
+/// "flip=0.05: 0.08", for those that fail.
+std::vector<std::string> failures(const Verdict& verdict);
+
 /// Judges a comparison; without thresholds it passes. NaN fails: what cannot be measured is not good enough.
 /// Errors: a threshold on a figure that these images lack (no depth layer, alignment not requested).
 Verdict judge(const Comparison& comparison, const std::vector<Threshold>& thresholds);

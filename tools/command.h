@@ -81,7 +81,8 @@ void add_job_options(const Options& options, JobCommand<Request>& command) {
 template <class Request, class Show>
 Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command, Show show) {
   return {options, [command, show](const CommandLine& words) {
-            command->request.command = metadata_command(words);
+            if constexpr (requires { command->request.command; })
+              command->request.command = metadata_command(words);
             return with_threads(command->threads, words, [&] {
               Console console(command->verbosity);
               const auto checked = plan(command->request);

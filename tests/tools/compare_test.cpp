@@ -1,10 +1,42 @@
 // SPDX-License-Identifier: MIT
-#include "tests/tools/compare_program.h"
+#include <nlohmann/json.hpp>
 
-// `alidade compare` on images that the program itself renders.
+#include "tests/tools/run_program.h"
+
+// What `alidade compare` prints, and its exit codes; tests/jobs/compare_test.cpp tests its work.
 
 namespace alidade::test {
 namespace {
+
+using nlohmann::json;
+
+/// Images that the program itself renders.
+class CompareTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write_square("square.csv");
+  }
+  /// An image of the square from above, of so many pixels.
+  void render(const std::string& file, const std::string& size = "32x24",
+              const std::vector<std::string>& further = {}) {
+    std::vector<std::string> words{"render",    "--cloud", "square.csv", "--size", size,
+                                   "--samples", "2",       "-q",         "-o",     file};
+    words.insert(words.end(), further.begin(), further.end());
+    const ProgramResult result = run(words);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  /// Words between single spaces.
+  ProgramResult compare(const std::string& words) {
+    std::vector<std::string> list{"compare"};
+    for (std::size_t begin = 0; begin < words.size();) {
+      const std::size_t end = std::min(words.find(' ', begin), words.size());
+      list.push_back(words.substr(begin, end - begin));
+      begin = end + 1;
+    }
+    return run(list);
+  }
+};
 
 TEST_F(CompareTest, help_names_units_thresholds_exit_codes_and_examples) {
   const ProgramResult result = compare("--help");
@@ -66,65 +98,6 @@ TEST_F(CompareTest, wrong_thresholds_and_missing_words_are_usage_errors) {
   EXPECT_EQ(compare("a.png a.png --reference-points p.las").exit_code, 2);
 }
 
-TEST_F(CompareTest, repeated_thresholds_hold_together) {
-  render("a.png");
-  render("b.png", "32x24", {"--no-sun"});
-  EXPECT_EQ(compare("a.png b.png --fail-above flip=0 --fail-above flip=1").exit_code, 1);
-  const ProgramResult warned = compare("a.png b.png --warn-above flip=0 --warn-above rmse=0");
-  EXPECT_TRUE(contains(warned.err, "beyond flip=0") && contains(warned.err, "beyond rmse=0")) << warned.err;
-}
-
-TEST_F(CompareTest, options_that_would_do_nothing_are_errors) {
-  render("a.png");
-  for (const char* const folder_name : {"x", "y"}) {
-    std::filesystem::create_directory(folder / folder_name);
-    std::filesystem::copy(folder / "a.png", folder / folder_name / "one.png");
-  }
-  write("pairs.csv", "reference,test\na.png,a.png\n");
-  for (const char* const words :
-       {"a.png a.png --change-threshold 0.5", "a.png a.png --least-pixels 3", "a.png a.png --largest-shift 3",
-        "a.png a.png --report-pictures png", "x y --report s.html --report-pictures png",
-        "x y --reference-cloud square.csv", "a.png a.png --test-cloud square.csv",
-        "a.png a.png --reports pages", "--pairs pairs.csv a.png"})
-    EXPECT_EQ(compare(words).exit_code, 2) << words;
-  const ProgramResult result = compare("a.png a.png --exposures 5");
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_TRUE(contains(result.err,
-                       "exposures and tone mapper require linear light, but the reference has sRGB values"))
-      << result.err;
-}
-
-TEST_F(CompareTest, missing_inputs_are_errors_before_anything_is_written) {
-  render("a.exr", "32x24", {"--layers", "color"});
-  const ProgramResult result =
-      compare("a.exr a.exr --report r.html --flip-map flip.png --depth-map depth.png");
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "depth.png: this map cannot be computed from these images")) << result.err;
-  for (const char* const name : {"r.html", "flip.png", "depth.png"})
-    EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
-}
-
-TEST_F(CompareTest, agreement_is_a_map_with_figures_and_requires_depth_sigma) {
-  render("plain.exr", "32x24", {"--layers", "color,depth"});
-  render("scan.exr", "32x24", {"--layers", "color,depth,depth.sigma"});
-  const json metrics = found("plain.exr scan.exr --agreement-map map.png")["metrics"];
-  EXPECT_EQ(metrics["depth_differs"], 0.0);
-  EXPECT_EQ(metrics["depth_not_scanned"], 0.0);
-  EXPECT_GT(metrics["depth_agrees"], 0.0);
-  EXPECT_TRUE(read("map.png").starts_with("\x89PNG"));
-  EXPECT_EQ(compare("plain.exr scan.exr --agreement-map map.png").exit_code, 2) << "the file exists";
-  EXPECT_EQ(compare("plain.exr scan.exr --fail-above depth_differs=0").exit_code, 0);
-  EXPECT_EQ(compare("plain.exr scan.exr --fail-above depth_agrees=100.5").exit_code, 1);
-  const ProgramResult result = compare("plain.exr plain.exr --agreement-map none.png");
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "none.png: this map cannot be computed from these images") &&
-              contains(result.err, "render --layers color,depth,depth.sigma"))
-      << result.err;
-  EXPECT_FALSE(std::filesystem::exists(folder / "none.png"));
-  const ProgramResult lacking = compare("plain.exr plain.exr --fail-above depth_agrees=90");
-  EXPECT_TRUE(contains(lacking.err, "depth.sigma")) << lacking.err;
-}
-
 TEST_F(CompareTest, reports_and_maps_appear_whole_and_replace_nothing_unasked) {
   render("a.png");
   render("b.png", "32x24", {"--no-sun"});
@@ -139,54 +112,6 @@ TEST_F(CompareTest, reports_and_maps_appear_whole_and_replace_nothing_unasked) {
   EXPECT_EQ(compare(words + " --overwrite").exit_code, 0);
   EXPECT_EQ(read("r.html"), before) << "the same pictures give the same page";
   EXPECT_EQ(compare("a.png b.png --report a.png --overwrite").exit_code, 2) << "inputs are no outputs";
-}
-
-TEST_F(CompareTest, points_behind_changes_of_depth_are_written) {
-  std::string with_block = "x y z\n", without_block = "x y z\n";
-  for (int i = 0; i < 1600; ++i) {
-    const int x = i % 40, y = i / 40;
-    const bool is_block = x >= 15 && x < 25 && y >= 15 && y < 25;
-    const std::string xy = std::to_string(x) + " " + std::to_string(y) + " ";
-    with_block += xy + (is_block ? "3\n" : "0\n");
-    without_block += xy + "0\n";
-  }
-  write("before.xyz", with_block);
-  write("after.xyz", without_block);
-  write(
-      "camera.json",
-      R"({"version": 1, "model": "orthographic", "width": 80, "height": 80, "intrinsics": {"resolution": 0.5},
-            "pose": {"look_at": {"eye": [19.5, 19.5, 50], "target": [19.5, 19.5, 0], "up": [0, 1, 0]}}})");
-  for (const char* const name : {"before", "after"}) {
-    write(std::string(name) + ".json",
-          R"({"version": 1, "cloud": {"files": [")" + std::string(name) +
-              R"(.xyz"], "radius": 0.8}, "camera": "camera.json", "render": {"samples": 1},
-              "output": {"file": ")" +
-              name + R"(.exr", "layers": ["color", "depth", "id"]}})");
-    const ProgramResult rendered = run({"render", std::string(name) + ".json", "-q"});
-    ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
-  }
-  const ProgramResult result = compare(
-      "before.exr after.exr --json --changes depth --reference-cloud before.xyz --reference-points gone.las "
-      "--test-cloud after.xyz --test-points came.las --depth-map depth.png");
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(json::parse(result.out)["changes"]["regions"].size(), 1u);
-  const ProgramResult info = run({"info", "--json", "gone.las"});
-  ASSERT_EQ(info.exit_code, 0) << info.err;
-  const json gone = json::parse(info.out);
-  EXPECT_EQ(gone["bounds"]["max"][2], 3.0);
-  EXPECT_GE(gone["points"].get<int>(), 100) << "the block";
-  EXPECT_LE(gone["points"].get<int>(), 144) << "the block and the points beside it";
-  const json came = json::parse(run({"info", "--json", "came.las"}).out);
-  EXPECT_EQ(came["bounds"]["max"][2], 0.0) << "the ground below it";
-  EXPECT_TRUE(read("depth.png").starts_with("\x89PNG"));
-
-  // The cloud is another one: nothing is written, though all the rest could be.
-  write("other.xyz", "x y z\n0 0 0\n");
-  const ProgramResult other = compare(
-      "before.exr after.exr --changes depth --reference-cloud other.xyz --reference-points new.las "
-      "--report new.html --depth-map new.png");
-  EXPECT_EQ(other.exit_code, 2);
-  for (const std::string& name : names()) EXPECT_FALSE(name.starts_with("new.")) << name;
 }
 
 TEST_F(CompareTest, folders_and_tables_are_batches) {
