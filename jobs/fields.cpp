@@ -197,15 +197,6 @@ Field Fields::words(const std::string& names, const std::string& kind, const std
 }
 
 Field Fields::text(const std::string& names, const std::string& kind, const std::string& help,
-                   std::string& target) const {
-  return declare({.names = names,
-                  .kind = kind,
-                  .help = help,
-                  .form = FieldForm::text,
-                  .read = [&target](const auto& texts) { target = texts.back(); }});
-}
-
-Field Fields::text(const std::string& names, const std::string& kind, const std::string& help,
                    std::vector<std::string>& target) const {
   return declare({.names = names,
                   .kind = kind,

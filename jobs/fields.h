@@ -170,9 +170,16 @@ class Fields {
   Field words(const std::string& names, const std::string& kind, const std::string& help,
               std::function<void(const std::vector<std::string>&)> take, std::size_t least = 1) const;
 
-  /// Text as it is: one of it, or one per use.
+  /// Text as it is: one of it, into a string or an optional one, or one per use.
+  template <class Target>
   Field text(const std::string& names, const std::string& kind, const std::string& help,
-             std::string& target) const;
+             Target& target) const {
+    return declare({.names = names,
+                    .kind = kind,
+                    .help = help,
+                    .form = FieldForm::text,
+                    .read = [&target](const auto& texts) { target = texts.back(); }});
+  }
   Field text(const std::string& names, const std::string& kind, const std::string& help,
              std::vector<std::string>& target) const;
 

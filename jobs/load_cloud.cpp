@@ -2,7 +2,7 @@
 #include "jobs/load_cloud.h"
 
 #include <fmt/format.h>
-#include <string>
+#include <memory>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -41,6 +41,26 @@ IndexedCloud load_cloud(const CloudInputs& files, bool partial, IndexCloudOption
   });
   warn_all(listener, cloud.cloud.warnings);
   return cloud;
+}
+
+database::StoredFiles store_in_stages(
+    ReadOptions options, const std::string& storing, Listener& listener,
+    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work) {
+  const std::unique_ptr<Listener::Stage> read = listener.begin("reading", "B");
+  std::unique_ptr<Listener::Stage> store;
+  Progress show;
+  options.progress = read->callback();
+  database::StoredFiles stored = work(options, [&](std::uint64_t done, std::uint64_t total) {
+    if (!store) {
+      read->finish();
+      store = listener.begin(storing, "points");
+      show = store->callback();
+    }
+    return show(done, total);
+  });
+  if (store) store->finish();
+  warn_all(listener, stored.warnings);
+  return stored;
 }
 
 Field add_scratch_memory(const Fields& fields, std::optional<std::size_t>& memory) {

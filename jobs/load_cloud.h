@@ -4,12 +4,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <string>
 
+#include "base/progress.h"
 #include "base/scratch_file.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/crs.h"
 #include "cloud/read_cloud.h"
+#include "database/point_stream.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "octree/index_file/index_file.h"
@@ -24,6 +28,12 @@ CloudFormats cloud_formats();
 PointCloud read_files(const CloudInputs& files, bool partial, ReadOptions options, Listener& listener);
 IndexedCloud load_cloud(const CloudInputs& files, bool partial, IndexCloudOptions options,
                         Listener& listener);
+
+/// Returns what work(reading, storing) returns, which reads files and then stores their points: two stages, the
+/// second one called `storing`; warns of what the cloud warns of. `progress` of the options is ignored.
+database::StoredFiles store_in_stages(
+    ReadOptions options, const std::string& storing, Listener& listener,
+    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work);
 
 /// Declares --memory of jobs and commands that can hold clouds in scratch files.
 Field add_scratch_memory(const Fields& fields, std::optional<std::size_t>& memory);

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "database/sqlite/store_cloud.h"
+#include "tests/support/sql_site.h"
 #include "tests/tools/run_program.h"
-#include "tests/tools/sql_site.h"
 
 namespace alidade::test {
 

@@ -274,11 +274,13 @@ ExitCode convert_large(const ConvertCommand& command) {
 
 /// Points of a cloud that memory need not hold, since they are sorted in any case.
 ExitCode convert_to_parquet(const ConvertCommand& command) {
-  const database::StoredFiles stored = store_shown(
-      command, command.color_depth, "writing", [&](const ReadOptions& reading, const Progress& progress) {
-        return database::write_parquet(command.output, command.files, reading,
-                                       parquet_options(command, progress));
-      });
+  Console console(command.verbosity);
+  const database::StoredFiles stored =
+      jobs::store_in_stages({.color_depth = command.color_depth, .partial = command.partial}, "writing",
+                            console, [&](const ReadOptions& reading, const Progress& progress) {
+                              return database::write_parquet(command.output, command.files, reading,
+                                                             parquet_options(command, progress));
+                            });
   say_written(command, stored.point_count, stored.point_count, stored.files);
   return ExitCode::done;
 }

@@ -21,27 +21,6 @@ IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options) 
   return jobs::load_cloud(request.files, request.partial, std::move(options), console);
 }
 
-database::StoredFiles store_shown(
-    const RunRequest& request, ColorDepth color_depth, const std::string& storing,
-    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work) {
-  ProgressLine read_line("reading", "B", request.verbosity);
-  std::optional<ProgressLine> store_line;
-  Progress store_progress;
-  const ReadOptions reading{
-      .color_depth = color_depth, .partial = request.partial, .progress = read_line.callback()};
-  database::StoredFiles stored = work(reading, [&](std::uint64_t done, std::uint64_t total) {
-    if (!store_line) {
-      read_line.finish();
-      store_line.emplace(storing, "points", request.verbosity);
-      store_progress = store_line->callback();
-    }
-    return store_progress(done, total);
-  });
-  if (store_line) store_line->finish();
-  say_warnings(request.verbosity, stored.warnings);
-  return stored;
-}
-
 bool has_parts(const CloudInput& input) {
   if (input.is_changed()) return false;
   const bool has_parts = input.is(database::k_server_format) ? database::has_server_parts(input.name.string())

@@ -13,7 +13,6 @@
 #include "cloud/cloud_inputs.h"
 #include "cloud/read_cloud.h"
 #include "database/point_filter.h"
-#include "database/point_stream.h"
 #include "jobs/load_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "tools/options.h"
@@ -29,12 +28,6 @@ using jobs::scratch_beside;
 /// jobs::read_files() and jobs::load_cloud() for a command, with its messages.
 PointCloud read_shown(const CloudRequest& request, ReadOptions options);
 IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
-
-/// Does `work`, which reads files and then stores points, with a progress line for each; prints its warnings.
-/// `storing` is the text of the second line.
-database::StoredFiles store_shown(
-    const RunRequest& request, ColorDepth color_depth, const std::string& storing,
-    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work);
 
 /// Whether a part of a cloud can be read from its database: 'alidade sql load' has stored it, and no option
 /// changes its points. Errors: those of opening a table on a server.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <dlfcn.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
@@ -8,8 +9,8 @@
 #include <clocale>
 #include <cstdio>
 #include <cstdlib>
+#include <cwchar>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -17,14 +18,14 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/words.h"
-#include "database/server/server_name.h"
+#include "base/shown_text.h"
 #include "database/sqlite/sql_tokens.h"
 #include "database/sqlite/sqlite_api.h"
-#include "database/sqlite/stored_cloud.h"
-#include "tools/cloud/load_cloud.h"
+#include "jobs/sql/load.h"
+#include "jobs/sql/rewrite.h"
+#include "jobs/sql/row_text.h"
+#include "jobs/sql/statement.h"
 #include "tools/command.h"
-#include "tools/sql/statements.h"
 
 namespace alidade::tools {
 namespace {
@@ -42,26 +43,20 @@ int read_byte() {
   return EOF;
 }
 
-/// The next character, as its Unicode code point for libedit, whose own reading would not end at Ctrl-C.
-/// Bytes that are not UTF-8 become U+FFFD, or nothing if another key interrupts the character.
+/// The next character, as its code point for libedit, whose own reading would not end at Ctrl-C. Invalid bytes
+/// become U+FFFD, or nothing if another key interrupts the character.
 int read_character(FILE*) {
-  constexpr int k_replacement = 0xfffd;
-  int code = 0, missing = 0;
-  while (true) {
-    const int byte = read_byte();
-    if (byte == EOF || byte < 0x80) return byte;
-    if (byte >= 0xf8) return k_replacement;
-    if (byte >= 0xc0) {
-      missing = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
-      code = byte & (0x3f >> missing);
-      continue;
-    }
-    if (missing == 0) return k_replacement;
-    code = code << 6 | (byte & 0x3f);
-    if (--missing > 0) continue;
-    const bool is_code_point = code >= 0x80 && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff);
-    return is_code_point ? code : k_replacement;
+  constexpr auto k_invalid = static_cast<std::size_t>(-1), k_incomplete = static_cast<std::size_t>(-2);
+  std::mbstate_t state{};
+  for (int byte = read_byte(); byte != EOF; byte = read_byte()) {
+    const char text = static_cast<char>(byte);
+    wchar_t code = 0;
+    std::size_t size = std::mbrtowc(&code, &text, 1, &state);
+    if (size == k_invalid) size = std::mbrtowc(&code, &text, 1, &(state = {}));
+    if (size == k_invalid) return 0xfffd;
+    if (size != k_incomplete) return static_cast<int>(code);
   }
+  return EOF;
 }
 
 std::optional<std::string> read_plain_line(const std::string& prompt) {
@@ -181,12 +176,65 @@ constexpr const char* k_columns =
     "'view', 'virtual') AND t.name NOT LIKE 'sqlite\\_%' ESCAPE '\\' AND (?1 IS NULL OR t.name = ?1 COLLATE "
     "NOCASE) ORDER BY t.name, c.cid";
 
+/// How rows of statements are printed.
+struct SqlShow {
+  jobs::SqlForm form = jobs::SqlForm::table;
+  bool explain = false;  ///< after the rows of each statement, print what was read, and whether it was pruned
+};
+
+/// A statement keeps its lines: they are the user's own.
+void say_rewritten(std::string_view statement) {
+  std::string text = "alidade: rewritten as: ";
+  for (std::size_t begin = 0; begin <= statement.size();) {
+    const std::size_t end = std::min(statement.find('\n', begin), statement.size());
+    text += line_text(statement.substr(begin, end - begin)) + "\n";
+    begin = end + 1;
+  }
+  write_to_stderr(text);
+}
+
+void explain(const jobs::StatementReport& report) {
+  const database::ScanReads& reads = report.reads;
+  std::string text = "read no cloud";
+  if (reads.scans > 0) text = fmt::format("read {} of {} chunks", reads.chunks_read, reads.chunks);
+  if (reads.chunks > 0)
+    text += fmt::format(" ({:.1f} %)",
+                        100.0 * static_cast<double>(reads.chunks_read) / static_cast<double>(reads.chunks));
+  if (reads.scans > 1) text += fmt::format(" in {} scans", reads.scans);
+  if (reads.scans > 0) text += fmt::format(", {} points tested", reads.points_read);
+  say_note(fmt::format("{}, {} {}, {:.1f} ms", text, report.rows, report.rows == 1 ? "row" : "rows",
+                       report.milliseconds));
+  if (!report.rewritten.empty()) say_rewritten(report.rewritten);
+  if (!report.reason.empty())
+    say_note((report.rewritten.empty() ? "not rewritten: " : "not rewritten further: ") + report.reason);
+}
+
+/// Prints rows on stdout, and explanations on stderr.
+jobs::RowSink printed_rows(SqlShow show) {
+  jobs::RowSink rows = jobs::row_text(show.form, write_to_stdout);
+  if (show.explain)
+    rows.end = [end = rows.end](const jobs::StatementReport& report) {
+      end(report);
+      explain(report);
+    };
+  return rows;
+}
+
+/// Reads statements at the terminal and runs them, until the end of input or .quit. A statement ends with a
+/// semicolon and may take several lines; a line that begins with a dot is a command of the prompt (.help).
+/// After errors, which are reported, the prompt continues; so it does after Ctrl-C, which drops what is typed
+/// or runs. Other signals are thrown as Cancelled.
 class Prompt {
  public:
-  Prompt(const database::Connection& connection, SqlRun run)
-      : connection_(connection), run_(std::move(run)), editor_(sql_history_file()) {
+  Prompt(const database::Connection& connection, jobs::SqlParameters parameters, SqlShow show,
+         Console& console)
+      : connection_(connection),
+        parameters_(std::move(parameters)),
+        show_(show),
+        console_(console),
+        editor_(sql_history_file()) {
     // The next statement may have other parameters.
-    run_.are_all_used = false;
+    parameters_.are_all_used = false;
   }
 
   void run() {
@@ -204,6 +252,10 @@ class Prompt {
   }
 
  private:
+  void run(const jobs::SqlText& sql, const jobs::SqlParameters& parameters, SqlShow show) {
+    jobs::run_statements(connection_, sql, parameters, printed_rows(show), console_);
+  }
+
   void take(const std::string& line) {
     try {
       if (typed_.empty() && line.starts_with(".")) {
@@ -214,7 +266,7 @@ class Prompt {
       const bool is_in_comment = sqlite3_complete((typed_ + ";").c_str()) == 0;
       if (database::sql_tokens(typed_).empty() && !is_in_comment) typed_.clear();
       if (sqlite3_complete(typed_.c_str()) != 0)
-        run_statements(connection_, std::exchange(typed_, {}), "statement", run_);
+        run({std::exchange(typed_, {}), "statement"}, parameters_, show_);
     } catch (const Error& error) {
       say_error(error.what());
     } catch (const Cancelled&) {
@@ -232,8 +284,9 @@ class Prompt {
     std::istringstream words(line);
     std::string name, value, more;
     words >> name >> value >> more;
-    constexpr std::array<std::pair<const char*, RowForm>, 3> k_forms = {
-        {{"table", RowForm::table}, {"csv", RowForm::csv}, {"json", RowForm::json}}};
+    using jobs::SqlForm;
+    constexpr std::array<std::pair<const char*, SqlForm>, 3> k_forms = {
+        {{"table", SqlForm::table}, {"csv", SqlForm::csv}, {"json", SqlForm::json}}};
     const auto form =
         std::ranges::find(k_forms, value, [](const auto& known) { return std::string(known.first); });
     if (!more.empty()) name.clear();
@@ -242,15 +295,15 @@ class Prompt {
     } else if (name == ".help") {
       write_to_stdout(k_commands);
     } else if (name == ".tables") {
-      run_statements(connection_, k_tables, name, {.form = run_.form});
+      run({k_tables, name}, {}, {.form = show_.form});
     } else if (name == ".schema") {
-      SqlParameter table;
+      jobs::SqlParameter table;
       if (!value.empty()) table.value = value;
-      run_statements(connection_, k_columns, name, {.form = run_.form, .parameters = {table}});
+      run({k_columns, name}, {.values = {table}}, {.form = show_.form});
     } else if (name == ".mode" && form != k_forms.end()) {
-      run_.form = form->second;
+      show_.form = form->second;
     } else if (name == ".explain" && (value == "on" || value == "off")) {
-      run_.explain = value == "on";
+      show_.explain = value == "on";
     } else {
       reject(line);
     }
@@ -261,95 +314,46 @@ class Prompt {
   }
 
   const database::Connection& connection_;
-  SqlRun run_;
+  jobs::SqlParameters parameters_;
+  SqlShow show_;
+  Console& console_;
   LineEditor editor_;
   std::string typed_;  ///< of a statement that has not ended
   bool is_done_ = false;
 };
 
-/// Reads statements at the terminal and runs them, until the end of input or .quit. A statement ends with a
-/// semicolon and may take several lines; a line that begins with a dot is a command of the prompt (.help).
-/// After errors, which are reported, the prompt continues; so it does after Ctrl-C, which drops what is typed
-/// or runs. Other signals are thrown as Cancelled.
-void run_prompt(const database::Connection& connection, const std::string& database, SqlRun run) {
-  say_note(database + " is open for reading; .help lists the commands");
-  Prompt(connection, std::move(run)).run();
-}
-
-struct SqlCommand : RunRequest {
-  std::filesystem::path cloud, file;
-  std::string statement;
-  bool has_statement = false, csv = false, json = false, explain = false;
-  std::vector<std::string> parameters;
+struct SqlCommand : JobCommand<jobs::SqlRequest> {
+  SqlShow show;
 };
 
-/// By extension, so that missing and damaged databases count too, and by content.
-bool is_database(const std::filesystem::path& name) {
-  constexpr const char* k_databases[] = {".db", ".db3", ".sqlite", ".sqlite3", ".gpkg"};
-  if (std::ranges::find(k_databases, file_extension(name)) != std::end(k_databases)) return true;
-  const CloudInputs inputs = resolve_clouds(std::span(&name, 1), cloud_formats());
-  return inputs.only(database::k_sqlite_format) != nullptr;
-}
-
-std::unique_ptr<database::Connection> open_for_reading(const SqlCommand& command) {
-  using database::Connection;
-  try {
-    if (is_database(command.cloud)) {
-      if (command.partial)
-        throw file_error(command.cloud, "--partial does not apply to databases", "no --partial");
-      return std::make_unique<Connection>(command.cloud, Connection::Mode::read, interrupted);
-    }
-    ProgressLine line("reading", "B", command.verbosity);
-    bool has_begun = false;  // a file that is read in place shows no progress
-    const Progress progress = [&, show = line.callback()](std::uint64_t done, std::uint64_t total) {
-      has_begun = true;
-      return show(done, total);
-    };
-    auto connection = std::make_unique<Connection>(
-        std::span(&command.cloud, 1),
-        database::FileTables{.reading = {.partial = command.partial, .progress = progress},
-                             .is_given_up = interrupted,
-                             .warn = [&](const std::vector<std::string>& warnings) {
-                               say_warnings(command.verbosity, warnings);
-                             }});
-    if (has_begun) line.finish();
-    return connection;
-  } catch (const Error&) {
-    // An interrupted wait for a lock ends as an error of the locked file.
-    if (interrupted()) throw Cancelled();
-    throw;
+ExitCode run_sql(const SqlCommand& command) {
+  const jobs::SqlPlan checked = plan(command.request);
+  const jobs::CheckedSql& request = checked.request();
+  Console console(command.verbosity);
+  const bool is_typed = !request.source.statement && request.source.file.empty() &&
+                        ::isatty(STDIN_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 1;
+  if (is_typed) {
+    const auto connection = open_cloud(request, console);
+    say_note(request.cloud.string() + " is open for reading; .help lists the commands");
+    Prompt(*connection, request.parameters, command.show, console).run();
+  } else {
+    run(checked, printed_rows(command.show), console);
   }
-}
-
-ExitCode run(const SqlCommand& command) {
-  if (command.cloud.empty()) {
-    throw input_error("missing cloud or database",
-                      "alidade sql CLOUD \"SELECT ...\", or alidade sql load FILE... DB");
-  }
-  if (database::is_server_name(command.cloud.string())) {
-    throw file_error(database::ServerName(command.cloud.string()).shown(), "not an SQLite file but a server",
-                     "an SQLite file or cloud files (for a server, use psql with the alidade_pg extension)");
-  }
-  SqlRun run{.form = command.csv    ? RowForm::csv
-                     : command.json ? RowForm::json
-                                    : RowForm::table,
-             .explain = command.explain};
-  for (const std::string& text : command.parameters) run.parameters.push_back(parse_sql_parameter(text));
-  const std::unique_ptr<database::Connection> opened = open_for_reading(command);
-  const database::Connection& connection = *opened;
-  // An empty statement is one, too: in a script a variable may be empty, and a prompt would wait for ever.
-  if (command.has_statement && command.statement != "-") {
-    run_statements(connection, command.statement, "statement", std::move(run));
-    return ExitCode::done;
-  }
-  const bool on_terminal = ::isatty(STDIN_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 1;
-  if (command.file.empty() && !command.has_statement && on_terminal) {
-    run_prompt(connection, command.cloud.string(), std::move(run));
-    return ExitCode::done;
-  }
-  const std::filesystem::path file = command.file.empty() ? "-" : command.file;
-  run_statements(connection, read_sql(file), file == "-" ? "standard input" : file.string(), std::move(run));
   return ExitCode::done;
+}
+
+Command add_rewrite(const Options& sql) {
+  const auto command = std::make_shared<JobCommand<jobs::RewriteRequest>>();
+  const Options rewrite = sql.command(
+      "rewrite", "Rewrite statements for engines without dist_ray, such as DuckDB on Parquet files");
+  jobs::add_rewrite_fields(rewrite, command->request);
+  add_verbosity(rewrite, command->verbosity);
+  return job_command(rewrite, command, [](const auto&, const auto& statements) {
+    std::string text;
+    for (const database::RewrittenStatement& statement : statements) text += statement.text + ";\n";
+    write_to_stdout(text);
+    return ExitCode::done;
+  });
 }
 
 }  // namespace
@@ -358,28 +362,25 @@ Command add_sql(const Options& program) {
   const Options sql =
       program.command("sql", "Query clouds in files or databases with SQL, and load databases");
   const auto command = std::make_shared<SqlCommand>();
-  sql.file("cloud", "CLOUD",
-           "SQLite file with clouds; or a cloud: a file, folder, pattern or catalog, as the table points",
-           command->cloud);
-  const Field statement = sql.text("statement", "STATEMENT",
-                                   "SQL to run; - reads standard input; without it a terminal opens a prompt",
-                                   command->statement);
-  sql.excludes(statement).file("-f,--file", "FILE", "run the statements of a file", command->file);
-  sql.text("--param", "VALUE", "value of ? (in order) or, as name=VALUE, of :name; NULL, a number or text",
-           command->parameters);
-  const Field csv = sql.flag("--csv", "rows as CSV with a header", command->csv);
-  sql.excludes(csv).flag("--json", "rows as an array of objects", command->json);
-  sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
-           command->explain);
-  add_run_options(sql, *command);
-  add_remote_fields(sql);
-  Command added = command_of(sql, command, run);
-  added.run = [command, statement, with_words = added.run](const CommandLine& words) {
-    command->has_statement = statement.given();
-    return with_words(words);
+  jobs::add_sql_fields(sql, command->request, [&] {
+    const Field csv = sql.flag("--csv", "rows as CSV with a header",
+                               [command] { command->show.form = jobs::SqlForm::csv; });
+    sql.excludes(csv).flag("--json", "rows as an array of objects",
+                           [command] { command->show.form = jobs::SqlForm::json; });
+    sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
+             command->show.explain);
+  });
+  add_job_options(sql, *command);
+  const Run run = [command](const CommandLine& words) {
+    return with_threads(command->threads, words, [&] { return run_sql(*command); });
   };
-  added.parts = {add_sql_load(sql), add_sql_rewrite(sql), add_sql_shard_plan(sql)};
-  return added;
+  return {sql,
+          run,
+          {job_command(sql.command("load", "Store a cloud in a database"), jobs::add_load_fields),
+           add_rewrite(sql),
+           job_command(
+               sql.command("shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers"),
+               jobs::add_shard_plan_fields)}};
 }
 
 }  // namespace alidade::tools
