@@ -2,6 +2,7 @@
 #include "jobs/load_cloud.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -43,6 +44,26 @@ IndexedCloud load_cloud(const CloudInputs& files, bool partial, IndexCloudOption
   return cloud;
 }
 
+HeldCloud hold_cloud(const CloudInputs& files, ReadOptions options,
+                     const std::optional<ScratchSpace>& scratch, Listener& listener,
+                     ScratchCheckpoint* checkpoint) {
+  return in_stage(listener, "reading", "B", [&](const Progress& progress) -> HeldCloud {
+    options.progress = progress;
+    if (scratch) return ScratchCloud(files, options, *scratch, checkpoint);
+    return read_cloud(files, options);
+  });
+}
+
+const PointCloud& facts_of(const HeldCloud& cloud) {
+  const auto* const scratch = std::get_if<ScratchCloud>(&cloud);
+  return scratch != nullptr ? scratch->facts() : std::get<PointCloud>(cloud);
+}
+
+PointColumns points_of(HeldCloud& cloud) {
+  auto* const scratch = std::get_if<ScratchCloud>(&cloud);
+  return scratch != nullptr ? scratch->points() : points_of(std::get<PointCloud>(cloud));
+}
+
 database::StoredFiles store_in_stages(
     ReadOptions options, const std::string& storing, Listener& listener,
     const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work) {
@@ -77,6 +98,11 @@ std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
   if (!memory) return std::nullopt;
   const std::filesystem::path folder = output.parent_path();
   return ScratchSpace{folder.empty() ? "." : folder, *memory};
+}
+
+bool knows_point_count(const CloudInputs& files, bool partial, const StatedSize& stated) {
+  return !partial && stated.uncounted_bytes == 0 &&
+         std::ranges::none_of(files.inputs, &CloudInput::is_changed);
 }
 
 void check_room(const std::filesystem::path& folder, std::uint64_t bytes, Listener& listener) {

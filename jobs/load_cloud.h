@@ -7,12 +7,14 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "base/progress.h"
 #include "base/scratch_file.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/crs.h"
 #include "cloud/read_cloud.h"
+#include "cloud/scratch_cloud.h"
 #include "database/point_stream.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
@@ -29,8 +31,19 @@ PointCloud read_files(const CloudInputs& files, bool partial, ReadOptions option
 IndexedCloud load_cloud(const CloudInputs& files, bool partial, IndexCloudOptions options,
                         Listener& listener);
 
-/// Returns what work(reading, storing) returns, which reads files and then stores their points: two stages, the
-/// second one called `storing`; warns of what the cloud warns of. `progress` of the options is ignored.
+/// A cloud in memory, or in scratch files if memory might not hold it.
+using HeldCloud = std::variant<PointCloud, ScratchCloud>;
+
+/// Reads the files of a cloud as one stage, into scratch files if there is room for them. Warns of nothing.
+/// `progress` of the options is ignored. Errors: those of read_cloud(), or of ScratchCloud.
+HeldCloud hold_cloud(const CloudInputs& files, ReadOptions options,
+                     const std::optional<ScratchSpace>& scratch, Listener& listener,
+                     ScratchCheckpoint* checkpoint = nullptr);
+const PointCloud& facts_of(const HeldCloud& cloud);
+PointColumns points_of(HeldCloud& cloud);
+
+/// Returns what work(reading, storing) returns, which reads files and then stores their points: two stages,
+/// the second one called `storing`; warns of what the cloud warns of. `progress` of the options is ignored.
 database::StoredFiles store_in_stages(
     ReadOptions options, const std::string& storing, Listener& listener,
     const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work);
@@ -40,6 +53,9 @@ Field add_scratch_memory(const Fields& fields, std::optional<std::size_t>& memor
 /// Scratch files next to an output, or in the current folder if `output` is empty. Empty without --memory.
 std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
                                            std::optional<std::size_t> memory);
+
+/// Whether as many points will be read as the files state.
+bool knows_point_count(const CloudInputs& files, bool partial, const StatedSize& stated);
 
 /// States that temporary files take up to so many bytes of a folder. Errors: there is no room for them.
 void check_room(const std::filesystem::path& folder, std::uint64_t bytes, Listener& listener);

@@ -25,6 +25,17 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
   const OutputFile attempt(output, overwrite);
 }
 
+void check_extension(const std::filesystem::path& file, std::initializer_list<std::string_view> extensions) {
+  const std::string name = lower_case(file.filename().string());
+  std::string expected = "the extension ";
+  for (const std::string_view& extension : extensions) {
+    if (name.size() > extension.size() && name.ends_with(extension)) return;
+    if (&extension != extensions.begin()) expected += &extension + 1 == extensions.end() ? " or " : ", ";
+    expected += extension;
+  }
+  throw file_error(file, "unknown output format", expected);
+}
+
 void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrite,
                    std::span<const std::filesystem::path> inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {

@@ -10,6 +10,8 @@
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "cloud/rows.h"
+#include "cloud/text/write_text.h"
+#include "jobs/outputs.h"
 #include "octree/tree_walk.h"
 
 namespace alidade::jobs {
@@ -159,18 +161,31 @@ class AllRows {
   std::size_t size_ = 0;
 };
 
-void write_las_rows(const std::filesystem::path& file, AllRows& rows, const LasWriteOptions& options,
-                    const Progress& progress) {
-  LasWriter writer(file, rows.layout().like, rows.layout().attributes, options);
-  for (std::size_t first = 0; first < rows.size();) {
-    const PointCloud& some = rows.from(first);
-    writer.write(some);
-    report(progress, first += some.size(), rows.size());
-  }
-  writer.finish();
-}
-
 }  // namespace
+
+void write_rows(const std::filesystem::path& file, const PointRows& rows, bool overwrite,
+                std::optional<std::uint64_t> memory, Listener& listener) {
+  in_stage(listener, "writing", "points", [&](const Progress& progress) {
+    if (has_extension(file, {".ply"}))
+      return write_ply(file, rows.count, rows.from, {.overwrite = overwrite, .progress = progress});
+    if (has_extension(file, {".csv", ".xyz"}))
+      return write_text(
+          file, rows.count, rows.from,
+          {.coordinates_alone = has_extension(file, {".xyz"}), .overwrite = overwrite, .progress = progress});
+    LasWriteOptions options{.overwrite = overwrite,
+                            .progress = progress,
+                            .expected_points = rows.count,
+                            .warn = [&listener](const std::string& text) { listener.warn(text); }};
+    options.memory = memory.value_or(options.memory);
+    LasWriter writer(file, rows.like, rows.attributes, options);
+    for (std::size_t first = 0; first < rows.count;) {
+      const PointCloud& some = rows.from(first);
+      writer.write(some);
+      first += some.size();
+    }
+    writer.finish();
+  });
+}
 
 PointCloud description_of(const IndexedCloud& cloud) {
   PointCloud description;
@@ -184,8 +199,7 @@ PointCloud description_of(const IndexedCloud& cloud) {
 }
 
 void check_points_name(const std::filesystem::path& file) {
-  if (!has_extension(file, {".las", ".laz", ".ply"}))
-    throw file_error(file, "unknown output format", "the extension .las, .laz or .ply");
+  check_extension(file, {".las", ".laz", ".ply"});
 }
 
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
@@ -202,17 +216,9 @@ void write_points(const std::filesystem::path& file, std::span<const CloudResult
   for (const Rows& cloud : rows.clouds())
     for (const std::string& name : cloud.replaced())
       listener.warn(fmt::format("{}: replacing the cloud's {}", file.string(), name));
-  const std::unique_ptr<Listener::Stage> stage = listener.begin("writing", "points");
-  if (file_extension(file) != ".ply") {
-    LasWriteOptions options{.overwrite = overwrite,
-                            .warn = [&listener](const std::string& text) { listener.warn(text); }};
-    options.memory = memory.value_or(options.memory);
-    write_las_rows(file, rows, options, stage->callback());
-  } else {
-    const PointPieces pieces = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
-    write_ply(file, rows.size(), pieces, {.overwrite = overwrite, .progress = stage->callback()});
-  }
-  stage->finish();
+  const PointPieces from = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
+  write_rows(file, {rows.layout().like, rows.layout().attributes, rows.size(), from}, overwrite, memory,
+             listener);
 }
 
 }  // namespace alidade::jobs

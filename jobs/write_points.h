@@ -11,10 +11,24 @@
 #include <utility>
 #include <vector>
 
+#include "cloud/written_column.h"
 #include "jobs/listener.h"
 #include "octree/index_file/index_file.h"
 
 namespace alidade::jobs {
+
+/// Points that come in pieces of any size.
+struct PointRows {
+  const PointCloud& like;  ///< all but the points: lattice, reference system, records, extra dimensions
+  AttributeSet attributes;
+  std::size_t count;
+  PointPieces from;
+};
+
+/// Writes points by the extension: PLY, CSV, XYZ, or else LAS 1.4, LAZ or COPC, with warnings. `memory`: of
+/// COPC (LasWriteOptions). Errors: as write_ply(), write_text(), LasWriter.
+void write_rows(const std::filesystem::path& file, const PointRows& rows, bool overwrite,
+                std::optional<std::uint64_t> memory, Listener& listener);
 
 /// The metadata for a copy of a cloud with other columns: lattice, reference system, LAS records and
 /// encoding. No points, no columns.

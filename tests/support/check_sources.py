@@ -32,6 +32,7 @@ WITHOUT_HEADER = {
     "python/python_jobs.cpp": "bindings, added by a function of python/python_cloud.h",
     "python/python_queries.cpp": "bindings, added by a function of python/python_cloud.h",
     "tools/main.cpp": "the program",
+    "tools/cloud/clouds.cpp": "tools/command.h: the commands that make files of clouds",
 }
 # Headers that declare a function for each source of a kind: the beginnings of the function's and the source's name.
 NAMED_BY_FUNCTION = {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -125,6 +126,66 @@ TEST_F(InfoTest, table_for_people_names_points_and_bounds) {
   for (const char* const part : {"square.xyz", "400", "100", "101.9", "rounding", "CRS"}) {
     EXPECT_TRUE(contains(result.out, part)) << part << " in\n" << result.out;
   }
+}
+
+TEST_F(InfoTest, statistics_are_text_or_json) {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.001), .offset = {690000, 5325000, 500}};
+  for (int i = 0; i < 2000; ++i) {
+    cloud.positions.push_back({37 * i % 10'000, 53 * i % 20'000, i});
+    cloud.intensities.push_back(static_cast<std::uint16_t>(i));
+    cloud.classifications.push_back(static_cast<std::uint8_t>(i % 3));
+    cloud.returns.push_back({static_cast<std::uint8_t>(1 + i % 2), 2});
+    cloud.flags.push_back(0b100);
+    cloud.gps_times.push_back(2.5e8 + 0.5 * i);
+  }
+  cloud.gps_time_is_standard = true;
+  write_las(folder / "site.las", cloud);
+  const ProgramResult text = run({"info", "site.las", "--stats"});
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  for (const char* const part :
+       {"classes\n", "  1 Unclassified", "returns\n", "  1 of 2", "flags\n", "withheld", "density     ",
+        "time        2019-08-16T14:13:02Z to ", "written     by Alidade", "median", "intensity "})
+    EXPECT_TRUE(contains(text.out, part)) << part << " is not in\n" << text.out;
+  const Json json = Json::parse(run({"info", "site.las", "--stats", "--json"}).out).at("statistics");
+  EXPECT_EQ(json.at("columns").at("intensity").at("count"), 2000);
+  EXPECT_EQ(json.at("classes"), Json({{"0", 667}, {"1", 667}, {"2", 666}}));
+  EXPECT_FALSE(contains(run({"info", "site.las"}).out, "density"));
+}
+
+TEST_F(InfoTest, points_that_exceed_memory_are_in_temporary_files) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "site.laz", "-q"}).exit_code, 0);
+  const char* const given = std::getenv("TMPDIR");
+  const std::string before = given ? given : "";
+  ::setenv("TMPDIR", "/nonexistent", 1);
+  const ProgramResult nowhere = run({"info", "site.laz", "--memory", "1M"});
+  given ? ::setenv("TMPDIR", before.c_str(), 1) : ::unsetenv("TMPDIR");
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_TRUE(contains(nowhere.err,
+                       "/nonexistent: no folder for temporary files; expected the environment variable "
+                       "TMPDIR to name a folder"))
+      << nowhere.err;
+}
+
+TEST_F(InfoTest, details_of_the_work_are_for_those_who_request_them) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "site.laz", "-q"}).exit_code, 0);
+  const Words words = {"info", "site.laz", "--memory", "1M", "--stats"};
+  EXPECT_EQ(run(words).err, "");
+  const std::string details = run(with(words, {"-v"})).err;
+  for (const char* const part : {"of temporary files in ", "reading: ", "counting: "})
+    EXPECT_TRUE(contains(details, part)) << details;
+}
+
+TEST_F(InfoTest, formats_and_libraries_are_listed) {
+  const ProgramResult formats = run({"formats"});
+  EXPECT_EQ(formats.exit_code, 0);
+  for (const char* const part : {"LAZ", ".copc.laz", "PostgreSQL", "read, write"})
+    EXPECT_TRUE(contains(formats.out, part)) << part;
+  EXPECT_GT(Json::parse(run({"formats", "--json"}).out).size(), 10u);
+  const std::string version = run({"--version"}).out;
+  EXPECT_EQ(version.rfind("alidade ", 0), 0u);
+  for (const char* const part : {"instruction set: ", "oneTBB ", "SQLite 3", "GDAL 3", "OpenImageIO 2"})
+    EXPECT_TRUE(contains(version, part)) << version;
 }
 
 TEST_F(InfoTest, missing_file_is_named) {

@@ -11,11 +11,6 @@
 
 namespace alidade::tools {
 
-PointCloud read_shown(const CloudRequest& request, ReadOptions options) {
-  Console console(request.verbosity);
-  return jobs::read_files(request.files, request.partial, std::move(options), console);
-}
-
 IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options) {
   Console console(request.verbosity);
   return jobs::load_cloud(request.files, request.partial, std::move(options), console);

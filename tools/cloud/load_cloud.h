@@ -21,12 +21,10 @@ namespace alidade::tools {
 
 using jobs::add_scratch_memory;
 using jobs::check_map_unit;
-using jobs::check_room;
 using jobs::cloud_formats;
 using jobs::scratch_beside;
 
-/// jobs::read_files() and jobs::load_cloud() for a command, with its messages.
-PointCloud read_shown(const CloudRequest& request, ReadOptions options);
+/// jobs::load_cloud() for a command, with its messages.
 IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
 
 /// Whether a part of a cloud can be read from its database: 'alidade sql load' has stored it, and no option

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,7 +13,7 @@
 #include "base/progress.h"
 #include "cloud/point_cloud.h"
 
-namespace alidade::tools {
+namespace alidade::database {
 
 /// The shares below which quantiles are given.
 inline constexpr std::array<double, 5> k_quantiles = {0.01, 0.25, 0.5, 0.75, 0.99};
@@ -59,11 +58,4 @@ CloudStatistics statistics_of(const PointColumns& cloud, const Progress& progres
 /// IERS Bulletin C, up to 2017; empty before the first day of GPS, 6 January 1980.
 std::optional<Moment> moment_of_gps_time(double seconds);
 
-/// As `alidade info --json` has them.
-nlohmann::ordered_json statistics_json(const CloudStatistics& statistics);
-
-/// The lines of a table, with facts from the headers of the cloud's files and its records. `facts`: the cloud
-/// with or without its points.
-std::string statistics_text(const CloudStatistics& statistics, const PointCloud& facts);
-
-}  // namespace alidade::tools
+}  // namespace alidade::database

@@ -1,52 +1,25 @@
 // SPDX-License-Identifier: MIT
-#include "tools/cloud/e57_images.h"
+#include "camera/formats/e57_images.h"
 
-#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
+#include "base/error.h"
 #include "base/output_file.h"
 #include "base/shown_text.h"
 #include "base/words.h"
 #include "camera/camera_json.h"
 #include "camera/formats/e57.h"
 
-namespace alidade::tools {
+namespace alidade::camera {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json position_json(const std::optional<E57Pose>& pose) {
-  if (!pose) return {};
-  return {pose->translation.x, pose->translation.y, pose->translation.z};
-}
-
-std::string position_text(const std::optional<E57Pose>& pose) {
-  if (!pose) return "no pose";
-  return fmt::format("at {} {} {}", pose->translation.x, pose->translation.y, pose->translation.z);
-}
-
-std::string representation_text(const E57Representation& representation) {
-  return fmt::format("{} {} {}x{}{}", name_of(representation.projection), representation.extension,
-                     representation.width, representation.height, representation.mask ? " with mask" : "");
-}
-
-std::string named(const char* kind, std::size_t number, const std::string& name) {
-  return name.empty() ? fmt::format("{} {}", kind, number) : fmt::format("{} {} '{}'", kind, number, name);
-}
-
-template <class Item, class Describe>
-void print_each(const std::vector<Item>& items, const char* kind, Verbosity verbosity,
-                const Describe& describe, std::vector<std::string>& lines) {
-  constexpr std::size_t k_first = 10;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (i == k_first && verbosity != Verbosity::verbose) {
-      lines.push_back(fmt::format("and {} more {}s (-v lists all)", items.size() - i, kind));
-      return;
-    }
-    lines.push_back(named(kind, i + 1, items[i].name) + ": " + describe(items[i]));
-  }
-}
 
 /// An image to extract, and the names of the files that are written for it.
 struct Extraction {
@@ -104,9 +77,9 @@ const char* note_of(const E57Representation& representation, bool has_camera) {
 
 std::string camera_text(const E57Image& image, const E57Representation& representation,
                         const std::string& file) {
-  const std::optional<camera::Camera> camera = camera::camera_of(image, representation);
+  const std::optional<Camera> camera = camera_of(image, representation);
   if (!camera) return {};
-  Json json = Json::parse(camera::camera_json(*camera));
+  Json json = Json::parse(camera_json(*camera));
   json["description"] = std::string(name_of(representation.projection)) + " image of " + file +
                         (image.pose ? "" : ", which has no pose: the axes are those of the file");
   return json_text(json, 2) + "\n";
@@ -125,7 +98,7 @@ std::string safe_file_name(const std::string& text) {
   return name.find_first_not_of("_.") == std::string::npos ? "image" : name;
 }
 
-class Plan {
+class ExtractionPlan {
  public:
   void add(std::size_t file_number, const E57File& file) {
     for (const E57Image& image : file.document().images) {
@@ -185,65 +158,11 @@ void write_blob(const std::filesystem::path& path, E57File& file, const E57Blob&
 
 }  // namespace
 
-Json e57_json(const E57File& file) {
-  Json scans = Json::array(), images = Json::array();
-  for (const E57Scan& scan : file.document().scans) {
-    Json fields = Json::array();
-    for (const E57Field& field : scan.fields) fields.push_back(field.name);
-    scans.push_back({{"name", scan.name},
-                     {"guid", scan.guid},
-                     {"records", scan.record_count},
-                     {"scanner", position_json(scan.pose)},
-                     {"fields", fields}});
-  }
-  for (const E57Image& image : file.document().images) {
-    Json representations = Json::array();
-    for (const E57Representation& representation : image.representations) {
-      representations.push_back({{"projection", name_of(representation.projection)},
-                                 {"format", representation.extension},
-                                 {"width", representation.width},
-                                 {"height", representation.height},
-                                 {"bytes", representation.blob.length},
-                                 {"mask", representation.mask.has_value()}});
-    }
-    images.push_back({{"name", image.name},
-                      {"guid", image.guid},
-                      {"scan_guid", image.scan_guid},
-                      {"camera", position_json(image.pose)},
-                      {"pictures", representations}});
-  }
-  return {
-      {"file", file.pages().name()}, {"guid", file.document().guid}, {"scans", scans}, {"images", images}};
-}
-
-std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity) {
-  std::vector<std::string> lines;
-  const auto scan_text = [](const E57Scan& scan) {
-    return fmt::format("{} records, {}", scan.record_count, position_text(scan.pose));
-  };
-  const auto image_text = [](const E57Image& image) {
-    std::vector<std::string> representations;
-    for (const E57Representation& representation : image.representations)
-      representations.push_back(representation_text(representation));
-    if (representations.empty()) representations.push_back("no image");
-    return fmt::format("{}, {}", fmt::join(representations, ", "), position_text(image.pose));
-  };
-  print_each(file.document().scans, "scan", verbosity, scan_text, lines);
-  print_each(file.document().images, "image", verbosity, image_text, lines);
-  return lines;
-}
-
-std::size_t extract_images(std::span<const std::filesystem::path> files, const std::filesystem::path& folder,
-                           bool overwrite) {
-  std::vector<E57File> sources;
-  Plan plan;
-  for (const std::filesystem::path& file : files) {
-    sources.emplace_back(InputFile(file));
-    plan.add(sources.size() - 1, sources.back());
-    sources.back().pages().rest();
-  }
+void extract_images(std::vector<E57File>& files, const std::filesystem::path& folder, bool overwrite) {
+  ExtractionPlan plan;
+  for (std::size_t i = 0; i < files.size(); ++i) plan.add(i, files[i]);
   if (plan.extractions().empty()) {
-    throw file_error(files.empty() ? std::string() : files.front().string(), "no images to extract",
+    throw file_error(files.empty() ? "" : files.front().pages().name(), "no images to extract",
                      "an E57 file with images");
   }
   std::filesystem::create_directories(folder);
@@ -253,14 +172,13 @@ std::size_t extract_images(std::span<const std::filesystem::path> files, const s
   }
   check_output(folder / "images.json", overwrite);
   for (const Extraction& extraction : plan.extractions()) {
-    E57File& source = sources[extraction.file];
+    E57File& source = files[extraction.file];
     write_blob(folder / extraction.image_name, source, extraction.blob, overwrite);
     if (extraction.mask) write_blob(folder / extraction.mask_name, source, *extraction.mask, overwrite);
     if (!extraction.camera.empty())
       write_text_file(folder / extraction.camera_name, extraction.camera, overwrite);
   }
   write_text_file(folder / "images.json", plan.table(), overwrite);
-  return plan.extractions().size();
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::camera

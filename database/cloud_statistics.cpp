@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "tools/cloud/statistics.h"
+#include "database/cloud_statistics.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <tbb/parallel_invoke.h>
 #include <algorithm>
 #include <bit>
@@ -10,26 +8,20 @@
 #include <functional>
 #include <limits>
 #include <mutex>
-#include <nlohmann/json.hpp>
-#include <set>
 #include <unordered_map>
 #include <variant>
 
 #include "base/parallel.h"
-#include "base/shown_text.h"
-#include "cloud/axis_units.h"
 #include "database/stored_column.h"
-#include "image/color_points.h"
-#include "image/point_color.h"
 
-namespace alidade::tools {
+namespace alidade::database {
 namespace {
 
 /// The bits of k_flag_names (cloud/attributes.h: PointFlags).
 constexpr std::array<int, 5> k_flag_bits = {0, 1, 2, 3, 7};
 
 /// The number in a column of SQL; empty for NULL and for bytes.
-std::optional<double> number_of(const database::ColumnValue& value) {
+std::optional<double> number_of(const ColumnValue& value) {
   return std::visit(
       [](const auto& held) -> std::optional<double> {
         if constexpr (std::is_arithmetic_v<std::decay_t<decltype(held)>>)
@@ -125,7 +117,7 @@ using Pause = std::function<void()>;
 
 /// Calls visit(number) for every finite number of a column, in the order of the rows.
 template <class Visit>
-void for_each_number(const PointColumns& cloud, const database::CloudColumn& column, const Pause& pause,
+void for_each_number(const PointColumns& cloud, const CloudColumn& column, const Pause& pause,
                      const Visit& visit) {
   for (std::size_t row = 0; row < cloud.size(); ++row) {
     if (row % k_rows_between_pauses == 0) pause();
@@ -134,10 +126,10 @@ void for_each_number(const PointColumns& cloud, const database::CloudColumn& col
   }
 }
 
-ColumnStatistics column_statistics(const PointColumns& cloud, const database::CloudColumn& column,
+ColumnStatistics column_statistics(const PointColumns& cloud, const CloudColumn& column,
                                    const Pause& pause) {
   ColumnStatistics statistics{.name = column.like.name};
-  const database::StoredColumn& like = column.like;
+  const StoredColumn& like = column.like;
   const bool is_float = like.type == ScalarType::float32 || like.type == ScalarType::float64;
   statistics.is_whole = column.values != nullptr && !is_float && like.scale == 1.0 && like.offset == 0.0;
   statistics.least = std::numeric_limits<double>::infinity();
@@ -212,68 +204,6 @@ std::optional<CoverageStatistics> coverage_of(const PointColumns& cloud, const P
   return coverage;
 }
 
-/// A number of a column as people write it.
-std::string number_text(double value, bool is_whole) {
-  if (is_whole) return fmt::format("{:.0f}", value);
-  return std::fabs(value) >= 1e5 && std::fabs(value) < 1e15 ? fmt::format("{:.3f}", value)
-                                                            : fmt::format("{:.6g}", value);
-}
-
-std::string share_row(const std::string& name, std::uint64_t count, std::uint64_t all) {
-  return fmt::format(
-      "  {:<30}{:>14}{:>9.2f} %\n", name, count,
-      100.0 * static_cast<double>(count) / static_cast<double>(std::max<std::uint64_t>(all, 1)));
-}
-
-std::string coverage_text(const CoverageStatistics& coverage, const Crs& crs) {
-  const std::string label = plane_unit_label(crs), unit = label.empty() ? "unit" : label;
-  return fmt::format(
-      "density     {0:.4g} points per {4}2, {1:.4g} of last returns; spacing {2:.3g} {4}; area {3:.6g} {4}2 "
-      "(cells of {5:.3g} {4} with points)\n",
-      coverage.density, coverage.last_return_density, coverage.spacing, coverage.area, unit, coverage.cell);
-}
-
-std::string time_text(const CloudStatistics& statistics, const PointCloud& cloud) {
-  const auto times = std::ranges::find(statistics.columns, "gps_time", &ColumnStatistics::name);
-  if (times == statistics.columns.end() || times->count == 0) return "";
-  if (!cloud.gps_time_is_standard) {
-    const auto first = image::gps_weekday(static_cast<std::int64_t>(times->least)),
-               last = image::gps_weekday(static_cast<std::int64_t>(times->most));
-    return first && last ? fmt::format("time        {} to {} (GPS time of an unknown week)\n", *first, *last)
-                         : "time        GPS times are neither standard nor of a week\n";
-  }
-  const auto first = moment_of_gps_time(times->least), last = moment_of_gps_time(times->most);
-  if (!first || !last) return "time        GPS times before 1980\n";
-  return fmt::format("time        {} to {}\n", date_time_text(*first), date_time_text(*last));
-}
-
-std::string fact_row(const std::string& name, const std::string& value) {
-  return fmt::format("{:<12}{}\n", name, value);
-}
-
-/// Facts of headers that are neither in points nor in the table of `alidade info`.
-std::string header_text(const PointCloud& cloud) {
-  std::string text;
-  const std::vector<std::string> codes = epsg_codes(cloud.crs);
-  if (!codes.empty()) text += fact_row("EPSG", fmt::format("{}", fmt::join(codes, ", ")));
-  std::set<std::string> said;
-  for (const CloudFile& file : cloud.files) {
-    std::string line = file.software.empty() ? "" : "by " + file.software;
-    if (!file.system_identifier.empty()) line += (line.empty() ? "" : ", ") + file.system_identifier;
-    if (!file.created.empty()) line += (line.empty() ? "" : ", ") + file.created;
-    if (!line.empty() && said.insert(line).second) text += fact_row("written", line);
-  }
-  if (cloud.project_id != decltype(cloud.project_id){})
-    text += fact_row("project", fmt::format("{:02x}", fmt::join(cloud.project_id, "")));
-  if (cloud.file_source_id != 0) text += fact_row("source", fmt::format("{}", cloud.file_source_id));
-  for (const VariableLengthRecord& record : cloud.records) {
-    text += fact_row("record",
-                     fmt::format("{} {}, {} bytes{}{}", record.user_id, record.record_id, record.data.size(),
-                                 record.description.empty() ? "" : ": ", record.description));
-  }
-  return text;
-}
-
 }  // namespace
 
 std::optional<Moment> moment_of_gps_time(double seconds) {
@@ -302,7 +232,7 @@ std::optional<Moment> moment_of_gps_time(double seconds) {
 
 CloudStatistics statistics_of(const PointColumns& cloud, const Progress& progress) {
   CloudStatistics statistics{.point_count = cloud.size()};
-  const std::vector<database::CloudColumn> columns = database::cloud_columns(cloud);
+  const std::vector<CloudColumn> columns = cloud_columns(cloud);
   statistics.columns.resize(columns.size());
   std::mutex mutex;
   std::uint64_t done = 0;
@@ -330,62 +260,4 @@ CloudStatistics statistics_of(const PointColumns& cloud, const Progress& progres
   return statistics;
 }
 
-nlohmann::ordered_json statistics_json(const CloudStatistics& statistics) {
-  using Json = nlohmann::ordered_json;
-  Json columns = Json::object(), classes = Json::object(), returns = Json::array();
-  for (const ColumnStatistics& column : statistics.columns) {
-    columns[column.name] = {{"count", column.count},        {"missing", column.missing},
-                            {"least", column.least},        {"most", column.most},
-                            {"mean", column.mean},          {"deviation", column.deviation},
-                            {"quantiles", column.quantiles}};
-  }
-  for (const auto& [kind, count] : statistics.classes) classes[std::to_string(kind)] = count;
-  for (const auto& [numbers, count] : statistics.returns)
-    returns.push_back({{"number", numbers.first}, {"of", numbers.second}, {"points", count}});
-  Json json{{"columns", columns}, {"quantiles", k_quantiles}, {"classes", classes}, {"returns", returns}};
-  if (statistics.flags) {
-    for (std::size_t i = 0; i < k_flag_names.size(); ++i)
-      json["flags"][k_flag_names[i]] = (*statistics.flags)[i];
-  }
-  if (statistics.coverage) {
-    const CoverageStatistics& coverage = *statistics.coverage;
-    json["coverage"] = {{"density", coverage.density},
-                        {"last_return_density", coverage.last_return_density},
-                        {"spacing", coverage.spacing},
-                        {"area", coverage.area},
-                        {"cell", coverage.cell}};
-  }
-  return json;
-}
-
-std::string statistics_text(const CloudStatistics& statistics, const PointCloud& facts) {
-  std::string text = header_text(facts);
-  if (statistics.coverage) text += coverage_text(*statistics.coverage, facts.crs);
-  text += time_text(statistics, facts);
-  const std::uint64_t all = statistics.point_count;
-  if (!statistics.classes.empty()) text += "classes\n";
-  const auto styles = image::class_styles();
-  for (const auto& [number, count] : statistics.classes)
-    text +=
-        share_row(fmt::format("{:>3} {}", number, styles[static_cast<std::size_t>(number)].name), count, all);
-  if (!statistics.returns.empty()) text += "returns\n";
-  for (const auto& [numbers, count] : statistics.returns)
-    text += share_row(fmt::format("{:>3} of {}", numbers.first, numbers.second), count, all);
-  if (statistics.flags) text += "flags\n";
-  for (std::size_t i = 0; statistics.flags && i < k_flag_names.size(); ++i)
-    text += share_row(std::string("    ") + k_flag_names[i], (*statistics.flags)[i], all);
-  text += fmt::format("{:<18}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}\n", "column", "least", "1 %",
-                      "25 %", "median", "75 %", "99 %", "most", "mean");
-  for (const ColumnStatistics& column : statistics.columns) {
-    text += fmt::format("{:<18}{:>14}", line_text(column.name), number_text(column.least, column.is_whole));
-    for (const double quantile : column.quantiles)
-      text += fmt::format("{:>14}", number_text(quantile, column.is_whole));
-    text += fmt::format("{:>14}{:>14}", number_text(column.most, column.is_whole),
-                        number_text(column.mean, false));
-    if (column.missing > 0) text += fmt::format("  {} without value", column.missing);
-    text += "\n";
-  }
-  return text;
-}
-
-}  // namespace alidade::tools
+}  // namespace alidade::database

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: MIT
-#include "tools/cloud/statistics.h"
+#include "database/cloud_statistics.h"
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 
-#include "cloud/las/write_las.h"
 #include "tests/support/random.h"
-#include "tests/tools/run_program.h"
 
 namespace alidade::test {
 namespace {
 
-using namespace tools;
+using namespace database;
 
 PointCloud scattered(std::size_t count) {
   Random random("statistics");
@@ -153,67 +151,6 @@ TEST(StatisticsTest, can_be_stopped_within_a_column) {
   EXPECT_GE(calls, 4 * statistics.columns.size());
   const auto stop = [](std::uint64_t done, std::uint64_t) { return done > 0; };
   EXPECT_THROW(statistics_of(points_of(cloud), stop), Cancelled);
-}
-
-class InfoStatisticsTest : public ProgramTest {};
-
-TEST_F(InfoStatisticsTest, info_prints_them_as_text_and_as_json) {
-  PointCloud cloud = scattered(2000);
-  write_las(folder / "site.las", cloud);
-  const ProgramResult text = run({"info", "site.las", "--stats"});
-  ASSERT_EQ(text.exit_code, 0) << text.err;
-  for (const char* const part :
-       {"classes\n", "  1 Unclassified", "returns\n", "  1 of 2", "flags\n", "withheld", "density     ",
-        "time        2019-08-16T14:13:02Z to ", "written     by Alidade", "median", "intensity "})
-    EXPECT_TRUE(contains(text.out, part)) << part << " is not in\n" << text.out;
-  const auto json =
-      nlohmann::json::parse(run({"info", "site.las", "--stats", "--json"}).out).at("statistics");
-  EXPECT_EQ(json.at("columns").at("intensity").at("count"), 2000);
-  EXPECT_EQ(json.at("classes").at("0").get<int>() + json.at("classes").at("1").get<int>() +
-                json.at("classes").at("2").get<int>(),
-            2000);
-  EXPECT_EQ(run({"info", "site.las"}).out.find("density"), std::string::npos);
-}
-
-TEST_F(InfoStatisticsTest, does_not_depend_on_memory) {
-  ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "site.laz", "-q"}).exit_code, 0);
-  write("colored.csv",
-        "x,y,z,red,green,blue,height\n690000,5325000,600,1,2,3,0.5\n690001,5325000,600,7,8,9,1.5\n");
-  ASSERT_EQ(run({"index", "site.laz", "-o", "site.alidade", "-q"}).exit_code, 0);
-  for (std::vector<std::string> words :
-       {std::vector<std::string>{"site.laz"},
-        {"site.laz", "--stats"},
-        {"site.laz", "colored.csv", "--stats", "--json"},
-        {"site.alidade", "--stats", "--json", "--crop", "690000,5325000,690010,5325010"}}) {
-    words.insert(words.begin(), {"info", "-q"});
-    const ProgramResult whole = run(words);
-    words.insert(words.end(), {"--memory", "1M"});
-    EXPECT_EQ(whole.exit_code, 0) << whole.err;
-    EXPECT_EQ(whole.out, run(words).out);
-    // The points are in temporary files indeed.
-    const char* const given = std::getenv("TMPDIR");
-    const std::string before = given ? given : "";
-    ::setenv("TMPDIR", "/nonexistent", 1);
-    const ProgramResult nowhere = run(words);
-    given ? ::setenv("TMPDIR", before.c_str(), 1) : ::unsetenv("TMPDIR");
-    EXPECT_EQ(nowhere.exit_code, 2);
-    EXPECT_TRUE(contains(nowhere.err,
-                         "/nonexistent: no folder for temporary files; expected the environment "
-                         "variable TMPDIR to name a folder"))
-        << nowhere.err;
-  }
-}
-
-TEST_F(InfoStatisticsTest, formats_and_libraries_are_listed) {
-  const ProgramResult formats = run({"formats"});
-  EXPECT_EQ(formats.exit_code, 0);
-  for (const char* const part : {"LAZ", ".copc.laz", "PostgreSQL", "read, write"})
-    EXPECT_TRUE(contains(formats.out, part)) << part;
-  EXPECT_GT(nlohmann::json::parse(run({"formats", "--json"}).out).size(), 10u);
-  const std::string version = run({"--version"}).out;
-  EXPECT_EQ(version.rfind("alidade ", 0), 0u);
-  for (const char* const part : {"instruction set: ", "oneTBB ", "SQLite 3", "GDAL 3", "OpenImageIO 2"})
-    EXPECT_TRUE(contains(version, part)) << version;
 }
 
 }  // namespace

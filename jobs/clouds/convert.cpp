@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+#include "jobs/clouds/convert.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "base/error.h"
+#include "base/huge_memory.h"
+#include "base/parallel.h"
+#include "base/words.h"
+#include "cloud/axis_units.h"
+#include "cloud/cloud_reader.h"
+#include "cloud/las/repack_las.h"
+#include "cloud/las/write_las.h"
+#include "cloud/rows.h"
+#include "cloud/select_points.h"
+#include "database/parquet/write_parquet.h"
+#include "geo/reproject.h"
+#include "jobs/cloud_fields.h"
+#include "jobs/clouds/index.h"
+#include "jobs/load_cloud.h"
+#include "jobs/outputs.h"
+#include "jobs/write_points.h"
+#include "octree/point_surface.h"
+
+namespace alidade::jobs {
+namespace {
+
+std::size_t memory_of(const ConvertRequest& request) {
+  return request.memory.value_or(std::size_t{4} << 30);
+}
+
+bool is_parquet(const ConvertRequest& request) {
+  return has_extension(request.output, {".parquet"});
+}
+
+/// Whether points change after reading: some are dropped, or they get normals.
+bool chooses_points(const ConvertRequest& request) {
+  return request.every > 1 || request.spacing.has_value() || request.normals;
+}
+
+/// Whether nothing changes but how the points of one LAS file are packed.
+bool only_packing_changes(const ConvertRequest& request) {
+  const bool chooses = request.files.inputs.front().is_changed() || chooses_points(request);
+  return has_extension(request.output, {".las", ".laz"}) && !is_copc_name(request.output) &&
+         request.files.size() == 1 && !chooses && request.color_depth == ColorDepth::automatic &&
+         !request.partial && can_repack(request.files.first_name());
+}
+
+constexpr const char* k_one_unit = "--reproject SYSTEM, which brings heights to the unit of x and y";
+
+/// What is wrong if x and y have another unit than heights, by the first cloud; else empty.
+std::string unit_problem(const ConvertRequest& request) {
+  if (request.files.empty()) return {};
+  const CloudInput& first = request.files.inputs.front();
+  if (first.format == nullptr) return {};
+  const Crs crs = open_cloud(first, request.partial ? Damage::read_over : Damage::reject)->facts().crs;
+  const AxisUnits units = axis_units(crs);
+  if (!units.plane || !units.heights || *units.plane == *units.heights) return {};
+  return fmt::format("the unit of x and y is {}, that of heights {}", units.plane->name, units.heights->name);
+}
+
+/// Whether the points, and measurements of them, are too large for memory.
+bool is_large(const ConvertRequest& request) {
+  constexpr std::uint64_t k_octree = 52, k_thinning = 17;  // bytes per point
+  const StatedSize size = stated_size(request.files);
+  // Files that do not state their number of points: coordinates rarely take less than those of a lattice.
+  const std::uint64_t points = size.point_count + size.uncounted_bytes / sizeof(LatticePosition);
+  const std::uint64_t beside = request.normals ? k_octree : request.spacing ? k_thinning : 0;
+  return size.bytes() + beside * points > memory_of(request);
+}
+
+/// Thins the cloud.
+void choose_points(HeldCloud& held, const ConvertRequest& request, Listener& listener) {
+  const auto choose = [&](auto& cloud) {
+    if (request.every > 1) {
+      if constexpr (std::is_same_v<decltype(cloud), ScratchCloud&>)
+        in_stage(listener, "choosing", "points",
+                 [&](const Progress& progress) { keep_every(cloud, request.every, progress); });
+      else
+        keep_every(cloud, request.every);
+    }
+    if (request.spacing) {
+      in_stage(listener, "thinning", "points", [&](const Progress& progress) {
+        with_file(request.files.title(), [&] { thin(cloud, *request.spacing, progress); });
+      });
+    }
+  };
+  std::visit(choose, held);
+}
+
+/// Calls work(first, end) for pieces of so many rows, until the job stops. Errors: Cancelled.
+template <class Work>
+void in_pieces(std::size_t rows, Listener& listener, const Work& work) {
+  constexpr std::size_t k_piece = std::size_t{1} << 20;
+  for (std::size_t first = 0; first < rows; first += k_piece) {
+    if (listener.stops()) throw Cancelled();
+    work(first, std::min(first + k_piece, rows));
+  }
+}
+
+/// Gives every point the normal of the surface around it, towards the nearest scanner, or upwards where no
+/// scanner is known; zero where there is no surface.
+void measure_normals(const Octree& built, const PointColumns& points,
+                     std::span<const ScannerPosition> scanners, std::span<glm::vec3> normals,
+                     Listener& listener) {
+  const Octree octree = with_surfaces(with_spacings(built, k_surface_neighbours, listener), listener);
+  const auto measure = [&](std::size_t row) {
+    const PointSurface surface = surface_of(octree.view(), row);
+    normals[row] = glm::vec3(0.0f);
+    if (!surface.exists) return;
+    const glm::dvec3 position = points.world(row);
+    glm::dvec3 outwards(0.0, 0.0, 1.0);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const ScannerPosition& scanner : scanners) {
+      const glm::dvec3 towards = scanner.position - position;
+      if (glm::dot(towards, towards) >= nearest) continue;
+      nearest = glm::dot(towards, towards);
+      outwards = towards;
+    }
+    normals[row] = glm::vec3(glm::dot(surface.normal, outwards) < 0.0 ? -surface.normal : surface.normal);
+  };
+  in_pieces(points.size(), listener, [&](std::size_t first, std::size_t end) {
+    in_parallel(end - first, 256, [&](std::size_t i) { measure(first + i); });
+  });
+}
+
+/// The octree over positions that are kept: of a cloud in scratch files, a copy is used up.
+Octree built(HeldCloud& held, const std::optional<ScratchSpace>& scratch, Listener& listener) {
+  const PointColumns points = points_of(held);
+  HugeArray<LatticePosition> copy;
+  if (scratch) {
+    copy = HugeArray<LatticePosition>(points.size(), scratch->folder);
+    in_pieces(points.size(), listener, [&](std::size_t first, std::size_t end) {
+      std::ranges::copy(points.positions.subspan(first, end - first), copy.data() + first);
+    });
+  }
+  return in_stage(listener, "building", "points", [&](const Progress& progress) {
+    if (!scratch) return build(std::as_const(std::get<PointCloud>(held)), {.progress = progress});
+    return build_in_scratch(points.lattice, {copy.data(), copy.size()}, *scratch, {.progress = progress});
+  });
+}
+
+void add_normals(HeldCloud& held, const std::optional<ScratchSpace>& scratch, Listener& listener) {
+  const Octree octree = built(held, scratch, listener);
+  std::span<glm::vec3> normals;
+  if (auto* const cloud = std::get_if<ScratchCloud>(&held)) {
+    cloud->add_normals();
+    normals = cloud->column_of<glm::vec3>(Attribute::normal);
+  } else {
+    std::vector<glm::vec3>& column = std::get<PointCloud>(held).normals;
+    column.resize(octree.size());
+    normals = column;
+  }
+  measure_normals(octree, points_of(held), facts_of(held).scanner_positions, normals, listener);
+}
+
+database::ParquetOptions parquet_options(const ConvertRequest& request, const Progress& progress) {
+  database::ParquetOptions options{.geometry = request.geometry,
+                                   .overwrite = request.overwrite,
+                                   .memory = memory_of(request),
+                                   .projjson = &geo::projjson_of,
+                                   .progress = progress};
+  options.group_points = request.group_points.value_or(options.group_points);
+  return options;
+}
+
+/// All rows of a cloud in memory at once; of one in scratch files so many.
+PointPieces pieces_of(HeldCloud& held, std::size_t rows_at_once) {
+  if (const auto* const cloud = std::get_if<PointCloud>(&held))
+    return [cloud](std::size_t) -> const PointCloud& { return *cloud; };
+  return [&cloud = std::get<ScratchCloud>(held), rows_at_once,
+          some = PointCloud()](std::size_t first) mutable -> const PointCloud& {
+    return some = cloud.rows(first, std::min(rows_at_once, cloud.size() - first));
+  };
+}
+
+void write(const ConvertRequest& request, HeldCloud& held, const std::optional<ScratchSpace>& scratch,
+           Listener& listener) {
+  if (has_extension(request.output, {".alidade"})) {
+    write_index(request.output, held, {}, request.overwrite, scratch, listener);
+    return;
+  }
+  // The formats copy rows, and Parquet sorts them.
+  constexpr std::size_t k_sorting = 36, k_least_rows = std::size_t{1} << 14,
+                        k_most_rows = std::size_t{1} << 20;
+  const PointCloud& facts = facts_of(held);
+  const std::size_t count = points_of(held).size();
+  const AttributeSet attributes = points_of(held).attributes.attributes();
+  const std::size_t row = 2 * bytes_per_point(facts, attributes) + k_sorting;
+  const std::size_t room = std::clamp<std::size_t>(memory_of(request) / row, k_least_rows, UINT32_MAX);
+  if (!is_parquet(request)) {
+    const PointRows rows{facts, attributes, count, pieces_of(held, std::min(room, k_most_rows))};
+    write_rows(request.output, rows, request.overwrite, memory_of(request) / 2, listener);
+    return;
+  }
+  in_stage(listener, "writing", "points", [&](const Progress& progress) {
+    const database::ParquetOptions options = parquet_options(request, progress);
+    if (!scratch) return database::write_parquet(request.output, facts, options);
+    // Merging takes memory for each piece.
+    database::write_parquet(request.output, facts, count, pieces_of(held, room), options);
+  });
+}
+
+ConvertResult repack(const ConvertRequest& request, Listener& listener) {
+  const RepackedFile repacked = in_stage(listener, "converting", "B", [&](const Progress& progress) {
+    return repack_las(request.files.first_name(), request.output,
+                      {.overwrite = request.overwrite, .progress = progress});
+  });
+  warn_all(listener, repacked.warnings);
+  listener.note(fmt::format("wrote all {} points to {}, with unchanged records", repacked.point_count,
+                            request.output.string()));
+  return {repacked.point_count, repacked.point_count, {}};
+}
+
+/// Notes what was written. `before`: points of the files that were selected.
+ConvertResult result_of(const ConvertRequest& request, std::uint64_t count, std::uint64_t before,
+                        const std::vector<CloudFile>& files, const std::optional<Bounds>& bounds,
+                        Listener& listener) {
+  for (const CloudFile& file : files) before += file.left_out_count;
+  listener.note(fmt::format("wrote {} of {} points to {}", count, before, request.output.string()));
+  return {count, before, bounds};
+}
+
+/// Points of a cloud that memory need not hold, since they are sorted in any case.
+ConvertResult convert_to_parquet(const ConvertRequest& request, Listener& listener) {
+  const ReadOptions reading{.color_depth = request.color_depth, .partial = request.partial};
+  const database::StoredFiles stored = store_in_stages(
+      reading, "writing", listener, [&](const ReadOptions& watched, const Progress& progress) {
+        return database::write_parquet(request.output, request.files, watched,
+                                       parquet_options(request, progress));
+      });
+  return result_of(request, stored.point_count, stored.point_count, stored.files, {}, listener);
+}
+
+}  // namespace
+
+void add_convert_fields(const Fields& fields, ConvertRequest& request) {
+  add_cloud_files(fields.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
+                  request.files, add_view_fields(fields, {}, HeightUse::as_stored));
+  fields.required().file("-o,--output", "FILE.las|.laz|.copc.laz|.ply|.csv|.xyz|.alidade|.parquet",
+                         "output file; the extension selects the format", request.output);
+  fields.count("--every", "N", "keep the first point and every N-th after it", request.every, 1, UINT64_MAX);
+  fields.length(
+      "--spacing", "LENGTH",
+      "keep one point per cube of this edge length, in the unit of the CRS, mostly metres: the point nearest "
+      "to the mean of the cube's points, with the mean of their colours and intensities",
+      request.spacing);
+  fields.flag(
+      "--normals",
+      "give the points normals, of the planes through their neighbours: towards the nearest scanner where "
+      "the file has scanner positions (E57, PTX, PCD), else upwards; zero for points without a surface",
+      request.normals);
+  fields.flag("--geometry",
+              "Parquet: also write a column of WKB points and the metadata of GeoParquet 1.1, for GIS",
+              request.geometry);
+  fields.count("--group-points", "N",
+               "Parquet: points per row group, 1024 to 1048576 (default: 65536); fewer where these take more "
+               "than 32 MiB",
+               request.group_points, 1024, 1048576);
+  fields.choice("--color-depth",
+                "bits in use of LAS colours (default: 8 if none exceeds 255); the output has 16",
+                request.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  add_partial(fields, request.partial);
+  fields.value(
+      "--memory", "SIZE",
+      "memory for points: bytes, or a number with k, M, G or T (default: 4G); those of a larger cloud "
+      "use temporary files next to the output; the output is the same",
+      request.memory, parse_memory);
+  fields.flag("--overwrite", "replace an existing output", request.overwrite);
+}
+
+ConvertPlan plan(const ConvertRequest& request) {
+  check_extension(request.output,
+                  {".las", ".laz", ".copc.laz", ".ply", ".csv", ".xyz", ".alidade", ".parquet"});
+  if ((request.geometry || request.group_points) && !is_parquet(request)) {
+    const std::string option = request.geometry ? "--geometry" : "--group-points";
+    throw file_error(request.output, option + " requires Parquet", "the extension .parquet");
+  }
+  check_writable(request.output, request.overwrite, request.inputs());
+  if (request.spacing || request.normals) {
+    if (const std::string problem = unit_problem(request); !problem.empty())
+      throw file_error(request.files.first_name(), "--spacing and --normals measure: " + problem, k_one_unit);
+  }
+  return ConvertPlan(request);
+}
+
+ConvertResult run(const ConvertPlan& plan, Listener& listener) {
+  const ConvertRequest& request = plan.request();
+  if (is_parquet(request) && !request.spacing && !request.normals) {
+    if (const std::string problem = unit_problem(request); !problem.empty())
+      listener.warn(fmt::format("{}: {}; distances need one unit: {}", request.files.first_name().string(),
+                                problem, k_one_unit));
+  }
+  if (only_packing_changes(request)) return repack(request, listener);
+  if (is_parquet(request) && !chooses_points(request)) return convert_to_parquet(request, listener);
+  std::optional<ScratchSpace> scratch;
+  if (is_large(request)) {
+    scratch = scratch_beside(request.output, memory_of(request) / 2);
+    listener.note("the points exceed --memory and lie in temporary files in " + scratch->folder.string());
+  }
+  HeldCloud cloud = hold_cloud(
+      request.files, {.color_depth = request.color_depth, .partial = request.partial}, scratch, listener);
+  warn_all(listener, facts_of(cloud).warnings);
+  const std::size_t before = points_of(cloud).size();
+  choose_points(cloud, request, listener);
+  const PointColumns points = points_of(cloud);
+  const std::size_t count = points.size();
+  const Bounds bounds = bounds_of(points.lattice, points.positions);
+  if (request.normals && count > 0) add_normals(cloud, scratch, listener);
+  write(request, cloud, scratch, listener);
+  return result_of(request, count, before, facts_of(cloud).files, bounds, listener);
+}
+
+}  // namespace alidade::jobs
