@@ -26,21 +26,21 @@ std::string real_text(std::string digits) {
 }
 
 bool is_text(const SqlValue& value) {
-  return std::holds_alternative<std::string_view>(value);
+  return std::holds_alternative<std::string>(value);
 }
 
 bool is_bytes(const SqlValue& value) {
-  return std::holds_alternative<std::span<const std::byte>>(value);
+  return std::holds_alternative<std::vector<std::byte>>(value);
 }
 
 /// A value as it is, without quotes: bytes hexadecimal, nothing for NULL.
 std::string plain_text(const SqlValue& value) {
   if (const auto* const whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
   if (const auto* const real = std::get_if<double>(&value)) return real_text(fmt::format("{}", *real));
-  if (is_text(value)) return std::string(std::get<std::string_view>(value));
+  if (is_text(value)) return std::get<std::string>(value);
   std::string text;
   if (is_bytes(value))
-    for (const std::byte byte : std::get<std::span<const std::byte>>(value))
+    for (const std::byte byte : std::get<std::vector<std::byte>>(value))
       text += fmt::format("{:02x}", static_cast<unsigned>(byte));
   return text;
 }

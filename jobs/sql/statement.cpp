@@ -34,7 +34,7 @@ bool is_parameter_name(std::string_view text) {
 }
 
 /// A number as in SQL: blanks around it and a plus are allowed.
-std::optional<SqlParameter::Value> sql_number(std::string_view text) {
+std::optional<SqlValue> sql_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   // Other words for numbers, such as inf and nan, are text in SQL.
   const std::string_view unsigned_text = text.substr(text.starts_with('-') ? 1 : 0);
@@ -53,13 +53,13 @@ std::optional<SqlParameter::Value> sql_number(std::string_view text) {
 
 /// NULL, a number, 'text' with quotes in it written twice, or text without quotes. Errors: text without quotes
 /// that begins like a number, with a digit, dot or sign.
-SqlParameter::Value sql_value(std::string_view text) {
+SqlValue sql_value(std::string_view text) {
   if (text == "NULL" || text == "null") return {};
   constexpr const char* k_blanks = " \t\n\v\f\r";
   const std::size_t first = text.find_first_not_of(k_blanks);
   if (first != std::string_view::npos) {
     const std::string_view word = text.substr(first, text.find_last_not_of(k_blanks) + 1 - first);
-    if (std::optional<SqlParameter::Value> value = sql_number(word)) return std::move(*value);
+    if (std::optional<SqlValue> value = sql_number(word)) return std::move(*value);
     // As text it would compare greater than every number.
     if (std::string_view("0123456789.+-").find(word.front()) != std::string_view::npos)
       throw file_error("--param", "invalid number", "a number, or quoted text: \"'TEXT'\"",
@@ -93,7 +93,7 @@ bool names_database(const std::filesystem::path& name) {
   return resolve_clouds({&name, 1}, cloud_formats()).only(database::k_sqlite_format) != nullptr;
 }
 
-void bind(sqlite3_stmt* statement, int index, const SqlParameter::Value& value) {
+void bind(sqlite3_stmt* statement, int index, const SqlValue& value) {
   int result = SQLITE_OK;
   if (const auto* const integer = std::get_if<std::int64_t>(&value)) {
     result = sqlite3_bind_int64(statement, index, *integer);
@@ -101,6 +101,8 @@ void bind(sqlite3_stmt* statement, int index, const SqlParameter::Value& value) 
     result = sqlite3_bind_double(statement, index, *real);
   } else if (const auto* const text = std::get_if<std::string>(&value)) {
     result = sqlite3_bind_text64(statement, index, text->data(), text->size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+  } else if (const auto* const bytes = std::get_if<std::vector<std::byte>>(&value)) {
+    result = sqlite3_bind_blob64(statement, index, bytes->data(), bytes->size(), SQLITE_TRANSIENT);
   }
   if (result != SQLITE_OK) throw file_error("--param", sqlite3_errstr(result));
 }
@@ -170,11 +172,11 @@ SqlValue column_value(sqlite3_stmt* statement, int column) {
       return sqlite3_column_double(statement, column);
     case SQLITE_TEXT: {
       const auto* const text = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
-      return text == nullptr ? std::string_view() : std::string_view(text, size());
+      return text == nullptr ? std::string() : std::string(text, size());
     }
     case SQLITE_BLOB: {
       const auto* const bytes = static_cast<const std::byte*>(sqlite3_column_blob(statement, column));
-      return std::span(bytes, size());
+      return std::vector<std::byte>(bytes, bytes + size());
     }
     default:
       return {};
@@ -325,6 +327,23 @@ void run(const SqlPlan& plan, const RowSink& sink, Listener& listener) {
   const std::unique_ptr<database::Connection> connection = open_cloud(request, listener);
   run_statements(*connection, request.text ? *request.text : read_sql(request.source), request.parameters,
                  sink, listener);
+}
+
+SqlResult run(const SqlPlan& plan, Listener& listener) {
+  if (!plan.request().text) throw input_error("missing statement", "a statement or --file");
+  SqlResult results;
+  run(plan,
+      {.begin =
+           [&](const std::vector<std::string>& columns) {
+             results.push_back({columns, std::vector<std::vector<SqlValue>>(columns.size()), {}});
+           },
+       .row =
+           [&](std::span<const SqlValue> row) {
+             for (std::size_t i = 0; i < row.size(); ++i) results.back().values[i].push_back(row[i]);
+           },
+       .end = [&](const StatementReport& report) { results.back().report = report; }},
+      listener);
+  return results;
 }
 
 }  // namespace alidade::jobs

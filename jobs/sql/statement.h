@@ -9,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -20,12 +19,13 @@
 
 namespace alidade::jobs {
 
+/// A value in a row, or for a parameter.
+using SqlValue = std::variant<std::monostate, std::int64_t, double, std::string, std::vector<std::byte>>;
+
 /// A value for a parameter of statements. It is bound, and never part of a statement's text.
 struct SqlParameter {
-  using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
-
   std::string name;  ///< without its sign; empty if it is bound by its position
-  Value value;
+  SqlValue value;
 };
 
 struct SqlParameters {
@@ -74,17 +74,13 @@ using SqlPlan = Plan<CheckedSql>;
 /// a database; those of resolve_clouds() and read_sql().
 SqlPlan plan(const SqlRequest& request);
 
-/// A value in a row. Texts and bytes are valid until the sink returns.
-using SqlValue =
-    std::variant<std::monostate, std::int64_t, double, std::string_view, std::span<const std::byte>>;
-
 /// How a statement was run.
 struct StatementReport {
-  database::ScanReads reads;
+  database::ScanReads reads{};
   std::uint64_t rows = 0;
   double milliseconds = 0.0;
-  std::string rewritten;  ///< the statement that ran instead (database/sqlite/prepare.h); empty: none
-  std::string reason;     ///< why it, or some condition in it, was not changed; else empty
+  std::string rewritten{};  ///< the statement that ran instead (database/sqlite/prepare.h); empty: none
+  std::string reason{};     ///< why it, or some condition in it, was not changed; else empty
 };
 
 /// Takes the rows of statements, of one after the other.
@@ -107,5 +103,16 @@ void run_statements(const database::Connection& connection, const SqlText& sql,
 
 /// open_cloud(), then run_statements().
 void run(const SqlPlan& plan, const RowSink& sink, Listener& listener);
+
+/// The rows of a statement.
+struct StatementResult {
+  std::vector<std::string> columns;
+  std::vector<std::vector<SqlValue>> values;  ///< of each column
+  StatementReport report;
+};
+using SqlResult = std::vector<StatementResult>;
+
+/// As above; keeps the rows of each statement. Errors: also a request of standard input.
+SqlResult run(const SqlPlan& plan, Listener& listener);
 
 }  // namespace alidade::jobs

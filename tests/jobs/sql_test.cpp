@@ -26,29 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-/// Keeps rows, each value as text with its type: "i5", "r0.5", "tabc", "b2" (bytes), "" (NULL).
-struct KeptRows {
-  std::vector<Words> columns, rows;
-  std::vector<jobs::StatementReport> reports;
-
-  jobs::RowSink sink() {
-    return {.begin = [this](const Words& names) { columns.push_back(names); },
-            .row =
-                [this](std::span<const jobs::SqlValue> values) {
-                  Words& texts = rows.emplace_back();
-                  for (const jobs::SqlValue& value : values) texts.push_back(text_of(value));
-                },
-            .end = [this](const jobs::StatementReport& report) { reports.push_back(report); }};
-  }
-  static std::string text_of(const jobs::SqlValue& value) {
-    if (const auto* const whole = std::get_if<std::int64_t>(&value)) return "i" + std::to_string(*whole);
-    if (const auto* const real = std::get_if<double>(&value)) return "r" + std::to_string(*real);
-    if (const auto* const text = std::get_if<std::string_view>(&value)) return "t" + std::string(*text);
-    const auto* const bytes = std::get_if<std::span<const std::byte>>(&value);
-    return bytes == nullptr ? "" : "b" + std::to_string(bytes->size());
-  }
-};
-
 /// Statements on a square of 400 points in a database and in a file.
 class SqlJobTest : public ::testing::Test {
  protected:
@@ -101,22 +78,36 @@ class SqlJobTest : public ::testing::Test {
 };
 
 TEST_F(SqlJobTest, rows_have_types_and_statements_reports) {
-  KeptRows kept;
-  run(plan(request("SELECT 5 AS a, 0.5 AS b, 'x' AS c, x'00ff' AS d, NULL AS e; SELECT id FROM points WHERE "
+  const jobs::SqlResult results = run(
+      plan(request("SELECT 5 AS a, 0.5 AS b, 'x' AS c, x'00ff' AS d, NULL AS e; SELECT id FROM points WHERE "
                    "dist_ray(100,200,5, 0,0,1, x,y,z) <= 0.1 ORDER BY id")),
-      kept.sink(), heard);
-  EXPECT_EQ(kept.columns, (std::vector<Words>{{"a", "b", "c", "d", "e"}, {"id"}}));
-  EXPECT_EQ(kept.rows, (std::vector<Words>{{"i5", "r0.500000", "tx", "b2", ""}, {"i0"}, {"i1"}, {"i20"}}));
-  ASSERT_EQ(kept.reports.size(), 2u);
-  EXPECT_EQ(kept.reports[0].rows, 1u);
-  EXPECT_EQ(kept.reports[0].reads.scans, 0u);
-  EXPECT_EQ(kept.reports[0].rewritten, "");
-  EXPECT_EQ(kept.reports[1].rows, 3u);
-  EXPECT_EQ(kept.reports[1].reads.chunks, 8u);
-  EXPECT_EQ(kept.reports[1].reads.chunks_read, 1u);
-  EXPECT_EQ(kept.reports[1].reads.points_read, 50u);
-  EXPECT_TRUE(kept.reports[1].rewritten.starts_with("SELECT id FROM points WHERE (dist_ray("));
+      heard);
+  ASSERT_EQ(results.size(), 2u);
+  using jobs::SqlValue;
+  const std::vector<std::pair<std::string, SqlValue>> expected = {
+      {"a", std::int64_t{5}},
+      {"b", 0.5},
+      {"c", std::string("x")},
+      {"d", std::vector<std::byte>{std::byte{0}, std::byte{255}}},
+      {"e", {}}};
+  ASSERT_EQ(results[0].columns.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(results[0].columns[i], expected[i].first);
+    EXPECT_TRUE(results[0].values[i] == std::vector{expected[i].second}) << expected[i].first;
+  }
+  EXPECT_TRUE(results[1].values.at(0) ==
+              (std::vector<SqlValue>{std::int64_t{0}, std::int64_t{1}, std::int64_t{20}}));
+  EXPECT_EQ(results[0].report.rows, 1u);
+  EXPECT_EQ(results[0].report.reads.scans, 0u);
+  EXPECT_EQ(results[0].report.rewritten, "");
+  EXPECT_EQ(results[1].report.rows, 3u);
+  EXPECT_EQ(results[1].report.reads.chunks, 8u);
+  EXPECT_EQ(results[1].report.reads.chunks_read, 1u);
+  EXPECT_EQ(results[1].report.reads.points_read, 50u);
+  EXPECT_TRUE(results[1].report.rewritten.starts_with("SELECT id FROM points WHERE (dist_ray("));
   EXPECT_EQ(heard.text(), "");
+  jobs::SqlRequest typed = request("-");
+  EXPECT_TRUE(error_of([&] { return run(plan(typed), heard); }).starts_with("missing statement"));
 }
 
 TEST_F(SqlJobTest, tables_are_aligned_by_their_first_rows) {
@@ -212,11 +203,11 @@ TEST_F(SqlJobTest, what_cannot_be_run_is_an_error_before_a_row) {
   database::run(database::Connection(folder / "site.db", database::Connection::Mode::write).get(),
                 "CREATE TABLE notes(text)");
   for (const auto& [statement, parameters, message] : cases) {
-    KeptRows kept;
-    const std::string found =
-        error_of([&] { run(plan(request(statement, parameters)), kept.sink(), heard); });
+    bool has_begun = false;
+    const jobs::RowSink sink{.begin = [&](const Words&) { has_begun = true; }, .row = {}, .end = {}};
+    const std::string found = error_of([&] { run(plan(request(statement, parameters)), sink, heard); });
     EXPECT_NE(found.find(message), std::string::npos) << found;
-    EXPECT_TRUE(kept.columns.empty()) << statement;
+    EXPECT_FALSE(has_begun) << statement;
   }
 }
 
@@ -242,10 +233,9 @@ TEST_F(SqlJobTest, a_statement_stops_with_the_listener) {
   struct Stopped : Heard {
     bool stops() const override { return true; }
   } stopped;
-  KeptRows kept;
   EXPECT_THROW(run(plan(request("WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT "
                                 "count(*) FROM n")),
-                   kept.sink(), stopped),
+                   stopped),
                Cancelled);
 }
 
