@@ -126,8 +126,7 @@ void for_each_number(const PointColumns& cloud, const CloudColumn& column, const
   }
 }
 
-ColumnStatistics column_statistics(const PointColumns& cloud, const CloudColumn& column,
-                                   const Pause& pause) {
+ColumnStatistics column_statistics(const PointColumns& cloud, const CloudColumn& column, const Pause& pause) {
   ColumnStatistics statistics{.name = column.like.name};
   const StoredColumn& like = column.like;
   const bool is_float = like.type == ScalarType::float32 || like.type == ScalarType::float64;
