@@ -330,7 +330,7 @@ void run(const SqlPlan& plan, const RowSink& sink, Listener& listener) {
 }
 
 SqlResult run(const SqlPlan& plan, Listener& listener) {
-  if (!plan.request().text) throw input_error("missing statement", "a statement or --file");
+  if (!plan.request().text) throw input_error("missing statement", "--statement or --file");
   SqlResult results;
   run(plan,
       {.begin =
