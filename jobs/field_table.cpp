@@ -17,6 +17,12 @@ bool takes_many(const FieldEntry& field) {
   return field.form == FieldForm::repeated || field.form == FieldForm::words;
 }
 
+std::string own_name(const FieldEntry& field) {
+  std::string name = long_name(field);
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
 }  // namespace
 
 std::vector<std::string> plain_names(const FieldEntry& field) {
@@ -26,8 +32,10 @@ std::vector<std::string> plain_names(const FieldEntry& field) {
 }
 
 std::string long_name(const FieldEntry& field) {
-  const std::vector<std::string> names = plain_names(field);
-  return *std::ranges::find_if(names, [](const std::string& name) { return name.size() > 2; });
+  const auto is_letter = [](const std::string& name) { return name.size() == 2 && name.starts_with('-'); };
+  const std::vector<std::string> names = split_list(field.names);
+  const auto first = std::ranges::find_if_not(names, is_letter);
+  return plain_names(field)[static_cast<std::size_t>(first == names.end() ? 0 : first - names.begin())];
 }
 
 std::size_t FieldTable::declare(FieldEntry entry) {
@@ -75,6 +83,24 @@ void FieldTable::give(std::string_view name, std::vector<std::string> texts) {
                                nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
 }
 
+std::string FieldTable::in_own_words(std::string_view text) const {
+  std::string words;
+  while (true) {
+    const std::size_t begin = text.find("--");
+    words += text.substr(0, begin);
+    if (begin == text.npos) return words;
+    text.remove_prefix(begin + 2);
+    const std::size_t length =
+        std::min(text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_"), text.size());
+    const std::string_view option = text.substr(0, length);
+    const auto field = std::ranges::find_if(entries_, [option](const FieldEntry& entry) {
+      return std::ranges::count(plain_names(entry), option) > 0;
+    });
+    words += field == entries_.end() ? "--" + std::string(option) : own_name(*field);
+    text.remove_prefix(length);
+  }
+}
+
 void FieldTable::waive(std::string_view name) {
   for (FieldEntry& field : entries_)
     if (std::ranges::count(plain_names(field), name) > 0) field.is_required = false;
@@ -83,15 +109,15 @@ void FieldTable::waive(std::string_view name) {
 void FieldTable::read() const {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const FieldEntry& field = entries_[i];
-    const std::string name = long_name(field);
+    const std::string name = own_name(field);
     if (!is_given(i)) {
       if (field.is_required) throw UsageError(fmt::format("missing {}; expected {}", name, field.kind));
       continue;
     }
     for (const std::size_t other : field.needed)
-      if (!is_given(other)) throw UsageError(fmt::format("{} requires {}", name, long_name(entries_[other])));
+      if (!is_given(other)) throw UsageError(fmt::format("{} requires {}", name, own_name(entries_[other])));
     for (const std::size_t other : field.excluded)
-      if (is_given(other)) throw UsageError(fmt::format("{} excludes {}", name, long_name(entries_[other])));
+      if (is_given(other)) throw UsageError(fmt::format("{} excludes {}", name, own_name(entries_[other])));
     try {
       field.read(field.form == FieldForm::flag ? std::vector<std::string>{} : texts_[i]);
     } catch (const UsageError& error) {

@@ -44,11 +44,15 @@ class FieldTable : public FieldSink {
   /// field, naming the nearest, or if the number of texts is wrong.
   void give(std::string_view name, std::vector<std::string> texts);
 
+  /// A text in which the options of fields have their names, with '_': "observer_grid" for "--observer-grid".
+  std::string in_own_words(std::string_view text) const;
+
   /// A required field of this name need not be given: the caller has another way for it.
   void waive(std::string_view name);
 
-  /// Reads all that was given, in the order of declaration. Errors: UsageError, which names the field:
-  /// a value is wrong, a field is missing, or given without one that it needs or beside one that it excludes.
+  /// Reads all that was given, in the order of declaration. Errors: UsageError, which names the field in own
+  /// words: a value is wrong, a field is missing, or given without one that it needs or beside one that it
+  /// excludes.
   void read() const;
 
  private:
@@ -69,7 +73,8 @@ bool is_operand(const FieldEntry& field);
 
 /// The names of a field without hyphens in front: "o", "output".
 std::vector<std::string> plain_names(const FieldEntry& field);
-/// The first of them that is a word: the name in messages. Others are short, or those of other programs.
+/// The first of them that is not an option of one letter: the name in messages. Others are those of other
+/// programs.
 std::string long_name(const FieldEntry& field);
 
 }  // namespace alidade::jobs

@@ -98,7 +98,10 @@ inline constexpr const char* k_save_doc = R"(save(file, *, overwrite=False, prog
 
 Write points, attributes and octree as an index file, .alidade, which alidade.open() maps.)";
 
-inline constexpr const char* k_open_doc = R"(open(files, *, partial=False, workers=-1, progress=None)
+inline constexpr const char* k_open_doc =
+    R"(open(files, *, partial=False, classes=None, ignore_classes=None, where=None, crop=None, )"
+    R"(crop_crs=None, columns=None, crs=None, reproject=None, vertical_unit=None, cache=None, )"
+    R"(allow_host=None, cache_size=None, workers=-1, progress=None)
 --
 
 Open LAS, LAZ, COPC, PLY, PCD, E57, PTX, PTS, CSV, XYZ, .alidade, SQLite and PostgreSQL clouds.
@@ -110,16 +113,19 @@ files : str, path, or a list of them
     'postgresql://...'. Several are joined in their order.
 partial : bool
     Read the intact part of damaged files, with a warning; otherwise damage raises Error.
+classes, ignore_classes, where, crop, crop_crs : optional
+    Only some of the points, as `alidade convert` selects them: crop=(x0, y0, x1, y1),
+    where="z < 610 AND intensity > 100".
+crs, reproject, vertical_unit, columns : optional
+    Reference system of clouds that state none, another one to bring the points to, the unit of
+    heights, and the columns of text without titles.
+cache, cache_size, allow_host : optional
+    Of files on the web.
 
 Returns
 -------
-Cloud, or Index for a single .alidade file. Heights in another unit than x and y are converted to
-that of x and y, with a warning; `crs` then has that unit.
-
-Notes
------
-Only the program has options that name columns of text without titles (--columns) or state a unit of
-heights (--vertical-unit); for such files, use `alidade convert` or `alidade index` first.)";
+Cloud, or Index for a single .alidade file without a selection. Heights in another unit than x and y are
+converted to that of x and y, with a warning; `crs` then has that unit.)";
 
 inline constexpr const char* k_closest_doc =
     R"(closest(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, )"

@@ -16,13 +16,12 @@
 #include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/axis_units.h"
-#include "cloud/input_view.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "cloud/point_table.h"
 #include "cloud/read_cloud.h"
 #include "geo/reproject.h"
-#include "jobs/load_cloud.h"
+#include "jobs/cloud_fields.h"
 #include "octree/build.h"
 #include "octree/index_file/save_index.h"
 #include "octree/point_surface.h"
@@ -32,9 +31,6 @@
 
 namespace alidade::python {
 namespace {
-
-/// NumPy's names of ScalarType, in its order.
-constexpr const char* k_types[] = {"V", "u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"};
 
 /// Keeps the cloud for as long as an array of its values exists.
 py::capsule owner_of(const std::shared_ptr<const CloudData>& data) {
@@ -158,20 +154,32 @@ py::object crs_of(const Cloud& cloud) {
   return object_of(cloud.data()->description().crs);
 }
 
-py::object open_clouds(const FileNames& files, bool partial, int workers, const py::object& progress) {
-  auto data = std::make_shared<CloudData>();
-  run_watched(workers, progress, [&](const Progress& watch) {
-    const CloudInputs inputs = inputs_of(files);
-    data->name = inputs.title();
-    if (const CloudInput* const index = inputs.only(k_index_format)) {
-      if (index->changes_heights())
-        throw file_error(index->name, "an index of heights that are not in the unit of x and y",
-                         "one that 'alidade index' makes again: it converts them");
-      data->points = load_indexed_cloud(inputs, {.read = {.progress = watch}, .build = {}});
-    } else {
-      data->points.cloud = read_cloud(inputs, {.partial = partial, .region = {}, .progress = watch});
-    }
-  });
+py::object open_clouds(const py::object& files, int workers, const py::object& progress,
+                       const py::kwargs& fields) {
+  const auto data = std::make_shared<CloudData>();
+  const auto table = std::make_shared<jobs::FieldTable>("open", &is_interrupted);
+  CloudInputs inputs;
+  bool partial = false;
+  jobs::add_cloud(jobs::Fields(table), inputs);
+  jobs::add_partial(jobs::Fields(table), partial);
+  try {
+    give(*table, "cloud", files);
+    for (const auto& [name, value] : fields) give(*table, py::str(name), value);
+    run_watched(workers, progress, [&](const Progress& watch) {
+      table->read();
+      data->name = inputs.title();
+      if (const CloudInput* const index = inputs.only(k_index_format)) {
+        if (index->changes_heights())
+          throw file_error(index->name, "an index of heights that are not in the unit of x and y",
+                           "one that 'alidade index' makes again: it converts them");
+        data->points = load_indexed_cloud(inputs, {.read = {.progress = watch}, .build = {}});
+      } else {
+        data->points.cloud = read_cloud(inputs, {.partial = partial, .region = {}, .progress = watch});
+      }
+    });
+  } catch (const jobs::UsageError& error) {
+    throw Error({.problem = table->in_own_words(error.what())});
+  }
   warn(data->points.cloud.warnings);
   if (data->points.index) return py::cast(Index(data, data->points.octree));
   return py::cast(Cloud(std::move(data)));
@@ -425,15 +433,6 @@ py::array Cloud::xyz() {
   return array;
 }
 
-std::vector<std::filesystem::path> names_of(const FileNames& files) {
-  const auto* const one = std::get_if<std::filesystem::path>(&files);
-  return one ? std::vector{*one} : std::get<1>(files);
-}
-
-CloudInputs inputs_of(const FileNames& files) {
-  return in_one_unit(resolve_clouds(names_of(files), jobs::cloud_formats()));
-}
-
 py::object object_of(const Crs& crs) {
   if (!crs.wkt.empty()) return text_of(crs.wkt);
   const std::vector<std::string> codes = epsg_codes(crs);
@@ -444,9 +443,10 @@ py::object object_of(const Crs& crs) {
   return py::str(fmt::format("EPSG:{}", fmt::join(numbers, "+")));
 }
 
-void warn(const std::vector<std::string>& warnings) {
+void warn(const std::vector<std::string>& warnings, int level) {
   for (const std::string& warning : warnings)
-    if (PyErr_WarnEx(PyExc_UserWarning, line_text(warning).c_str(), 1) != 0) throw py::error_already_set();
+    if (PyErr_WarnEx(PyExc_UserWarning, line_text(warning).c_str(), level) != 0)
+      throw py::error_already_set();
 }
 
 void add_cloud(py::module_& module) {
@@ -486,8 +486,8 @@ void add_cloud(py::module_& module) {
   index.def("save", &save, k_save_doc, py::arg("file"), py::kw_only(), py::arg("overwrite") = false,
             py::arg("progress") = py::none());
   add_queries(index);
-  module.def("open", &open_clouds, k_open_doc, py::arg("files"), py::kw_only(), py::arg("partial") = false,
-             py::arg("workers") = -1, py::arg("progress") = py::none());
+  module.def("open", &open_clouds, k_open_doc, py::arg("files"), py::kw_only(), py::arg("workers") = -1,
+             py::arg("progress") = py::none());
 }
 
 }  // namespace alidade::python

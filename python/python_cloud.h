@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "base/remote_map.h"
-#include "cloud/cloud_inputs.h"
 #include "cloud/crs.h"
+#include "jobs/field_table.h"
 #include "octree/index_file/index_file.h"
 #include "python/python_arrays.h"
 
 // The classes Cloud and Index of the module.
 
 namespace alidade::python {
+
+/// NumPy's names of ScalarType, in its order.
+inline constexpr const char* k_types[] = {"V", "u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"};
 
 /// A cloud in memory or in a mapped index file. Immutable.
 struct CloudData {
@@ -59,19 +60,15 @@ class Index : public Cloud {
   Octree octree_;
 };
 
-/// One file or several.
-using FileNames = std::variant<std::filesystem::path, std::vector<std::filesystem::path>>;
-
-std::vector<std::filesystem::path> names_of(const FileNames& files);
-
-/// The clouds of files, with heights in the unit of x and y. Errors: those of resolve_clouds().
-CloudInputs inputs_of(const FileNames& files);
+/// Gives a field a value of Python: numbers, texts, bool for flags, sequences for lists and for fields with
+/// several values. None and False leave it as it is. Errors: those of FieldTable::give().
+void give(jobs::FieldTable& table, const std::string& name, const py::handle& value);
 
 /// A reference system as WKT, or "EPSG:n"; None if it is unknown.
 py::object object_of(const Crs& crs);
 
-/// Warnings of Python.
-void warn(const std::vector<std::string>& warnings);
+/// Warnings of Python. `level`: 1 for the caller of a function of the module, 2 for the caller's caller.
+void warn(const std::vector<std::string>& warnings, int level = 1);
 
 /// Declares both classes and open().
 void add_cloud(py::module_& module);
@@ -79,7 +76,7 @@ void add_cloud(py::module_& module);
 void add_queries(py::class_<Index, Cloud>& index);
 /// Declares render(), visible(), viewshed() and compare().
 void add_images(py::module_& module);
-/// Declares the jobs of the program: raster().
+/// Declares _job_fields() and _run_job(), for the jobs of the program.
 void add_jobs(py::module_& module);
 
 }  // namespace alidade::python

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +11,7 @@
 
 #include "base/shown_text.h"
 #include "jobs/field_table.h"
-#include "jobs/visibility/raster.h"
+#include "python/job_answers.h"
 #include "python/python_cloud.h"
 
 namespace alidade::python {
@@ -47,10 +46,30 @@ class PythonListener : public jobs::Listener {
   std::vector<std::string>&notes_, &warnings_;
 };
 
+/// A text as Python holds it, names of files in any encoding.
+std::string bytes_of(const py::handle& text) {
+  if (!py::isinstance<py::str>(text)) return text.cast<std::string>();
+  const auto bytes =
+      py::reinterpret_steal<py::bytes>(PyUnicode_AsEncodedString(text.ptr(), "utf-8", "surrogateescape"));
+  if (!bytes) throw py::error_already_set();
+  return bytes;
+}
+
+bool is_text(const py::handle& value) {
+  return py::isinstance<py::str>(value) || py::isinstance<py::bytes>(value) ||
+         py::hasattr(value, "__fspath__");
+}
+
+/// True and False of Python and of NumPy.
+bool is_bool(const py::handle& value) {
+  return py::isinstance<py::bool_>(value) ||
+         py::isinstance(value, py::module_::import("numpy").attr("bool_"));
+}
+
 /// A number or text as a field reads it.
 std::string word_of(const py::handle& value) {
-  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (py::hasattr(value, "__fspath__")) return value.attr("__fspath__")().cast<std::string>();
+  if (py::hasattr(value, "__fspath__")) return bytes_of(value.attr("__fspath__")());
+  if (is_text(value)) return bytes_of(value);
   // The shortest text that is this number again; NumPy's own names its type.
   if (py::hasattr(value, "__index__")) return py::str(value.attr("__index__")());
   if (py::hasattr(value, "__float__")) return py::repr(value.attr("__float__")());
@@ -58,8 +77,7 @@ std::string word_of(const py::handle& value) {
 }
 
 bool is_list(const py::handle& value) {
-  return !py::isinstance<py::str>(value) && !py::isinstance<py::bytes>(value) &&
-         !py::hasattr(value, "__fspath__") && py::hasattr(value, "__len__");
+  return !is_text(value) && py::hasattr(value, "__len__");
 }
 
 /// "1.0,2.5" of (1.0, 2.5).
@@ -72,113 +90,186 @@ std::string text_of_value(const py::handle& value) {
 
 /// The texts of a field that takes many: one for each item; a single position is one item.
 std::vector<std::string> texts_of_values(const py::handle& value) {
+  if (!is_list(value)) return {text_of_value(value)};
   std::vector<std::string> texts;
-  const bool has_items = is_list(value) && py::len(value) > 0 &&
-                         (is_list(value[py::int_(0)]) || py::isinstance<py::str>(value[py::int_(0)]) ||
-                          py::hasattr(value[py::int_(0)], "__fspath__"));
-  if (!has_items) return {text_of_value(value)};
+  const bool is_item = py::len(value) > 0 && !is_list(value[py::int_(0)]) && !is_text(value[py::int_(0)]);
+  if (is_item) return {text_of_value(value)};
   for (const py::handle& one : value) texts.push_back(text_of_value(one));
   return texts;
 }
 
-/// Gives a field a value of Python. None and False leave it as it is.
-void give(jobs::FieldTable& table, const std::string& name, const py::handle& value) {
-  if (value.is_none() || value.is(py::handle(Py_False))) return;
-  if (value.is(py::handle(Py_True))) return table.give(name, {});
-  const bool is_many = std::ranges::any_of(table.entries(), [&](const jobs::FieldEntry& field) {
-    std::string plain = name;
-    std::ranges::replace(plain, '_', '-');
-    return (field.form == jobs::FieldForm::repeated || field.form == jobs::FieldForm::words) &&
-           std::ranges::count(jobs::plain_names(field), plain) > 0;
-  });
-  table.give(name, is_many ? texts_of_values(value) : std::vector{text_of_value(value)});
+/// Errors: TypeError, if an operand is no name of a file, or list of names.
+void check_names(const std::string& keyword, const py::handle& value) {
+  bool are_names = is_text(value) || is_list(value);
+  if (is_list(value))
+    for (const py::handle& one : value) are_names = are_names && is_text(one);
+  if (are_names) return;
+  throw py::type_error(fmt::format("{}: expected a name, or a list of names, found {}", keyword,
+                                   py::str(py::type::handle_of(value).attr("__name__")).cast<std::string>()));
 }
 
-/// Outputs beside the map itself.
+/// The name of a field as a keyword.
+std::string keyword_of(const jobs::FieldEntry& field) {
+  std::string name = jobs::long_name(field);
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
+/// Fields of outputs beside those of all jobs.
 constexpr std::array<std::string_view, 1> k_silent_fields = {"preview"};
 
-/// Plans and runs a job on files with these fields. `note` is called with what the job notes.
+/// How a job is called.
+struct Call {
+  py::dict values;  ///< of its fields
+  int workers;
+  py::object progress;
+  py::object note;  ///< called with what the job notes; None: nobody hears it
+};
+
+/// Whether the output of a job is its answer, or an extra: the answer is returned, too.
+enum class Output { extra, answer };
+
 template <class Request>
-auto run_job(const char* command, void (*add_fields)(const jobs::Fields&, Request&), const FileNames& files,
-             int workers, const py::object& progress, const py::object& note, const py::kwargs& fields) {
+using AddFields = std::function<void(const jobs::Fields&, Request&)>;
+
+/// Plans and runs a job.
+template <class Request>
+py::object run_job(const char* name, const AddFields<Request>& add_fields, Output output, const Call& call) {
   Request request;
-  const auto table = std::make_shared<jobs::FieldTable>(command, &is_interrupted);
+  const auto table = std::make_shared<jobs::FieldTable>(name, &is_interrupted);
   add_fields(jobs::Fields(table), request);
   std::vector<std::string> notes, warnings;
+  using Plan = decltype(plan(request));
   using Result = decltype(run(plan(request), std::declval<jobs::Listener&>()));
+  std::optional<Plan> checked;
   std::optional<Result> result;
   // Also after an error: what was said before may explain it.
   const auto tell = [&] {
-    if (!note.is_none())
-      for (const std::string& text : notes) note(text_of(text));
-    warn(warnings);
+    for (const std::string& text : notes)
+      if (!call.note.is_none()) call.note(text_of(table->in_own_words(text)));
+    for (std::string& text : warnings) text = table->in_own_words(text);
+    warn(warnings, 2);
   };
   try {
-    table->waive("output");
-    for (const auto& [name, value] : fields) give(*table, py::str(name), value);
-    std::vector<std::string> names;
-    for (const std::filesystem::path& file : names_of(files)) names.push_back(file.string());
-    table->give("cloud", std::move(names));
-    request.command = jobs::command_text(*table, k_silent_fields);
-    run_watched(workers, progress, [&](const Progress& watch) {
+    if (output == Output::extra) table->waive("output");
+    for (const auto& [field, value] : call.values) give(*table, py::str(field), value);
+    if constexpr (requires { request.command; })
+      request.command = jobs::command_text(*table, k_silent_fields);
+    run_watched(call.workers, call.progress, [&](const Progress& watch) {
       table->read();
+      checked.emplace(plan(request));
       PythonListener listener(watch, notes, warnings);
-      result.emplace(run(plan(request), listener));
+      result.emplace(run(*checked, listener));
     });
   } catch (const jobs::UsageError& error) {
-    throw Error({.problem = error.what()});
+    throw Error({.problem = table->in_own_words(error.what())});
+  } catch (const Error& error) {
+    tell();
+    throw Error({.problem = table->in_own_words(error.what())});
   } catch (...) {
     tell();
     throw;
   }
   tell();
-  return std::move(*result);
+  return answer_of(*checked, *result);
 }
 
-py::object raster(const FileNames& files, int workers, const py::object& progress, const py::object& note,
-                  const py::kwargs& fields) {
-  const jobs::RasterResult map = run_job<jobs::RasterRequest>("visibility raster", &jobs::add_raster_fields,
-                                                              files, workers, progress, note, fields);
-  const py::object values = std::visit(
-      [&](const auto& all) -> py::object {
-        using Value = typename std::decay_t<decltype(all)>::value_type;
-        py::array_t<Value> array({py::ssize_t{map.grid.rows}, py::ssize_t{map.grid.columns}});
-        std::ranges::copy(all, array.mutable_data());
-        return array;
-      },
-      map.band.values);
-  py::dict metadata;
-  for (const auto& [key, text] : map.metadata) metadata[py::str(key)] = text_of(text);
-  // In the order of affine.Affine, which rasterio uses.
-  const py::tuple transform = py::make_tuple(map.grid.cell_size, 0.0, map.grid.north_west.x, 0.0,
-                                             -map.grid.cell_size, map.grid.north_west.y);
-  return answer_type("Map")(values, transform, object_of(map.crs), map.band.no_data, metadata);
-}
+/// A job of the program.
+struct Job {
+  std::string name;  ///< the command
+  std::function<void(const std::shared_ptr<jobs::FieldTable>&)> declare;
+  std::function<py::object(const Call&)> run;
+};
 
-/// (name, kind, help, form) of every field, as Python names it.
 template <class Request>
-py::list fields_of(const char* command, void (*add_fields)(const jobs::Fields&, Request&)) {
-  Request request;
-  const auto table = std::make_shared<jobs::FieldTable>(command);
-  add_fields(jobs::Fields(table), request);
+Job job(const char* name, AddFields<Request> add_fields, Output output = Output::extra) {
+  return {name,
+          [add_fields](const std::shared_ptr<jobs::FieldTable>& table) {
+            Request request;
+            add_fields(jobs::Fields(table), request);
+          },
+          [=](const Call& call) { return run_job<Request>(name, add_fields, output, call); }};
+}
+
+template <class Request>
+Job job(const char* name, void (*add_fields)(const jobs::Fields&, Request&), Output output = Output::extra) {
+  return job<Request>(name, AddFields<Request>(add_fields), output);
+}
+
+/// A job with a place for fields of those who print its result.
+template <class Request>
+Job job(const char* name, void (*add_fields)(const jobs::Fields&, Request&, const std::function<void()>&)) {
+  return job<Request>(name, [add_fields](const jobs::Fields& fields, Request& request) {
+    add_fields(fields, request, [] {});
+  });
+}
+
+const std::vector<Job>& all_jobs() {
+  static const std::vector<Job> all = {job("info", &jobs::add_info_fields),
+                                       job("generate", &jobs::add_generate_fields),
+                                       job("index", &jobs::add_index_fields, Output::answer),
+                                       job("catalog", &jobs::add_catalog_fields, Output::answer),
+                                       job("convert", &jobs::add_convert_fields, Output::answer),
+                                       job("change", &jobs::add_change_fields),
+                                       job("compare", &jobs::add_compare_fields),
+                                       job("sql", &jobs::add_sql_fields),
+                                       job("sql load", &jobs::add_load_fields),
+                                       job("sql rewrite", &jobs::add_rewrite_fields),
+                                       job("sql shard-plan", &jobs::add_shard_plan_fields, Output::answer),
+                                       job("visibility points", &jobs::add_points_fields),
+                                       job("visibility raster", &jobs::add_raster_fields),
+                                       job("visibility horizon", &jobs::add_horizon_fields),
+                                       job("visibility sky", &jobs::add_sky_fields),
+                                       job("visibility sun", &jobs::add_sun_fields),
+                                       job("visibility lines", &jobs::add_lines_fields),
+                                       job("visibility place", &jobs::add_place_fields),
+                                       job("visibility summary", &jobs::add_summary_fields),
+                                       job("visibility photos", &jobs::add_photos_fields)};
+  return all;
+}
+
+/// (name, kind, help, form, whether it is an operand, whether it is required) of every field, as Python names
+/// it.
+py::list fields_of(const Job& job) {
+  const auto table = std::make_shared<jobs::FieldTable>(job.name);
+  job.declare(table);
   constexpr const char* k_forms[] = {"flag", "value", "text", "repeated", "words"};
   py::list all;
-  for (const jobs::FieldEntry& field : table->entries()) {
-    if (jobs::is_operand(field)) continue;
-    std::string name = jobs::long_name(field);
-    std::ranges::replace(name, '-', '_');
-    all.append(py::make_tuple(name, field.kind, field.help, k_forms[static_cast<std::size_t>(field.form)]));
-  }
+  for (const jobs::FieldEntry& field : table->entries())
+    all.append(py::make_tuple(keyword_of(field), field.kind, table->in_own_words(field.help),
+                              k_forms[static_cast<std::size_t>(field.form)], jobs::is_operand(field),
+                              field.is_required));
   return all;
 }
 
 }  // namespace
 
+void give(jobs::FieldTable& table, const std::string& name, const py::handle& value) {
+  if (value.is_none()) return;
+  if (is_bool(value)) return value.cast<bool>() ? table.give(name, {}) : void();
+  const auto field = std::ranges::find(table.entries(), name, &keyword_of);
+  const bool is_known = field != table.entries().end();
+  if (is_known && jobs::is_operand(*field)) check_names(name, value);
+  if (is_known && (field->form == jobs::FieldForm::repeated || field->form == jobs::FieldForm::words)) {
+    std::vector<std::string> texts = texts_of_values(value);
+    if (!texts.empty() || field->is_required) table.give(name, std::move(texts));
+    return;
+  }
+  const bool is_no_class = name == "ignore_classes" && is_list(value) && py::len(value) == 0;
+  if (is_no_class && is_known && field->kind == "LIST") return;
+  table.give(name, {is_no_class ? "none" : text_of_value(value)});
+}
+
 void add_jobs(py::module_& module) {
-  module.def("_raster", &raster, py::arg("files"), py::kw_only(), py::arg("workers") = -1,
-             py::arg("progress") = py::none(), py::arg("note") = py::none());
-  module.def("_raster_fields",
-             [] { return fields_of<jobs::RasterRequest>("visibility raster", &jobs::add_raster_fields); });
+  module.def("_job_fields", [] {
+    py::dict fields;
+    for (const Job& job : all_jobs()) fields[job.name.c_str()] = fields_of(job);
+    return fields;
+  });
+  module.def("_run_job", [](const std::string& name, const py::dict& values, int workers,
+                            const py::object& progress, const py::object& note) {
+    return std::ranges::find(all_jobs(), name, &Job::name)->run({values, workers, progress, note});
+  });
 }
 
 }  // namespace alidade::python

@@ -136,8 +136,8 @@ std::unique_ptr<EpochCloud> load_epoch(const ChangeRequest& request, const Epoch
 }
 
 /// Errors: both systems are known and differ; only one is, and its heights are converted.
-void check_same_system(const ChangeRequest& request, const EpochCloud& before, const EpochCloud& after,
-                       Listener& listener) {
+void check_systems(const ChangeRequest& request, const EpochCloud& before, const EpochCloud& after,
+                   Listener& listener) {
   const Crs &old_crs = before.cloud.cloud.crs, &new_crs = after.cloud.cloud.crs;
   const EpochRequest& other = old_crs.empty() ? request.before : request.after;
   const EpochRequest& stated = old_crs.empty() ? request.after : request.before;
@@ -153,34 +153,16 @@ void check_same_system(const ChangeRequest& request, const EpochCloud& before, c
         "only {} states a reference system; that of the other is assumed to be the same", stated.name));
     return;
   }
-  const CrsAgreement agreement = compare_crs(old_crs, new_crs);
-  if (agreement == CrsAgreement::different)
-    throw file_error(other.files.first_name(), "AFTER is in another reference system than BEFORE",
-                     crs_name(old_crs) + ": --reproject SYSTEM brings both to one", crs_name(new_crs));
-  if (agreement == CrsAgreement::unknown)
-    listener.warn(fmt::format("BEFORE is in {}, AFTER in {}; both are assumed to be the same",
-                              crs_name(old_crs), crs_name(new_crs)));
+  check_same_system(
+      {old_crs, "BEFORE"}, {new_crs, "AFTER"},
+      file_error(other.files.first_name(), "AFTER is in another reference system than BEFORE",
+                 crs_name(old_crs) + ": --reproject SYSTEM brings both to one", crs_name(new_crs)),
+      listener);
 }
 
 void measure(const ChangeRequest& request, EpochCloud& epoch, Listener& listener) {
   epoch.occluders = measured_occluders(epoch.cloud.octree, epoch.columns.classifications,
                                        request.ignored_classes, {}, listener);
-}
-
-/// `changes` must outlive the columns.
-std::vector<ResultColumn> columns_of(const visibility::PointChanges& changes, std::uint8_t number) {
-  std::vector<ResultColumn> columns;
-  columns.push_back(result_column<std::uint8_t>("Epoch", "1: BEFORE, 2: AFTER", ScalarType::uint8,
-                                                [number](std::size_t) { return number; }));
-  columns.push_back(result_column<std::uint8_t>(
-      "Change", "class, 0 same to 7 not measured", ScalarType::uint8,
-      [&changes](std::size_t id) { return static_cast<std::uint8_t>(changes.classes[id]); }));
-  columns.push_back(result_column<float>("M3C2Distance", "BEFORE to AFTER on the normal", ScalarType::float32,
-                                         [&changes](std::size_t id) { return changes.distances[id]; }));
-  columns.push_back(
-      result_column<float>("LoD95", "level of detection, 95 %", ScalarType::float32,
-                           [&changes](std::size_t id) { return changes.detection_levels[id]; }));
-  return columns;
 }
 
 const ChangeSummary& summary_of(const EpochResult& found, ChangeClass kind) {
@@ -252,11 +234,26 @@ ChangePlan plan(const ChangeRequest& request) {
   return ChangePlan(request);
 }
 
+std::vector<ResultColumn> columns_of(const visibility::PointChanges& changes, std::uint8_t epoch) {
+  std::vector<ResultColumn> columns;
+  columns.push_back(result_column<std::uint8_t>("Epoch", "1: BEFORE, 2: AFTER", ScalarType::uint8,
+                                                [epoch](std::size_t) { return epoch; }));
+  columns.push_back(result_column<std::uint8_t>(
+      "Change", "class, 0 same to 7 not measured", ScalarType::uint8,
+      [&changes](std::size_t id) { return static_cast<std::uint8_t>(changes.classes[id]); }));
+  columns.push_back(result_column<float>("M3C2Distance", "BEFORE to AFTER on the normal", ScalarType::float32,
+                                         [&changes](std::size_t id) { return changes.distances[id]; }));
+  columns.push_back(
+      result_column<float>("LoD95", "level of detection, 95 %", ScalarType::float32,
+                           [&changes](std::size_t id) { return changes.detection_levels[id]; }));
+  return columns;
+}
+
 ChangeResult run(const ChangePlan& plan, Listener& listener) {
   const ChangeRequest& request = plan.request();
   const auto before = load_epoch(request, request.before, listener);
   const auto after = load_epoch(request, request.after, listener);
-  check_same_system(request, *before, *after, listener);
+  check_systems(request, *before, *after, listener);
   visibility::check_overlap(before->cloud.octree, after->cloud.octree);
   measure(request, *before, listener);
   measure(request, *after, listener);
@@ -269,6 +266,8 @@ ChangeResult run(const ChangePlan& plan, Listener& listener) {
   ChangeResult result;
   result.before.classes = summaries_of(changes.before, *before->occluders);
   result.after.classes = summaries_of(changes.after, *after->occluders);
+  result.before.crs = before->cloud.cloud.crs;
+  result.after.crs = after->cloud.cloud.crs;
   result.before.points = std::move(changes.before);
   result.after.points = std::move(changes.after);
   if (!request.output.empty()) {

@@ -2,16 +2,19 @@
 #pragma once
 
 #include <bitset>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <vector>
 
 #include "cloud/cloud_inputs.h"
+#include "cloud/crs.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/plan.h"
+#include "jobs/write_points.h"
 #include "visibility/change/change.h"
 
 namespace alidade::jobs {
@@ -50,11 +53,16 @@ ChangePlan plan(const ChangeRequest& request);
 struct EpochResult {
   visibility::PointChanges points;
   std::vector<visibility::ChangeSummary> classes;  ///< in the order of visibility::ChangeClass
+  Crs crs;
 };
 
 struct ChangeResult {
   EpochResult before, after;
 };
+
+/// The columns that the output has beside those of the cloud of an epoch, 1 or 2. `changes` must outlive
+/// them.
+std::vector<ResultColumn> columns_of(const visibility::PointChanges& changes, std::uint8_t epoch);
 
 /// Compares the clouds, and writes the points of both where the request has an output. Errors: those of
 /// load_cloud() and check_map_unit(); an empty cloud; unknown scanner positions without `no_sight`; clouds in

@@ -36,8 +36,10 @@ struct View {
   visibility::HorizonFacts facts;
 };
 
-bool is_geojson(const std::filesystem::path& file) {
-  return has_extension(file, {".geojson", ".json"});
+/// Without an output the rows are CSV.
+bool is_geojson(const HorizonRequest& request) {
+  using visibility::RowForm;
+  return visibility::row_form(request.output).value_or(RowForm::csv) != RowForm::csv;
 }
 
 void add_answers(const Fields& fields, HorizonRequest& request) {
@@ -65,14 +67,13 @@ void check_request(const HorizonRequest& request) {
     if (file.empty() || right) return;
     throw file_error(file, "unknown output format", expected);
   };
-  require(request.output, is_geojson(request.output) || has_extension(request.output, {".csv"}),
-          "the extension .csv or .geojson");
+  require(request.output, visibility::row_form(request.output).has_value(), "the extension .csv or .geojson");
   require(request.skyline, has_extension(request.skyline, {".png"}), "the extension .png");
   require(request.depth, has_extension(request.depth, {".exr"}), "the extension .exr");
   const std::filesystem::path outputs[] = {request.output, request.skyline, request.depth};
   check_outputs(outputs, request.overwrite, request.inputs({request.observers.file}));
   if (!request.skyline.empty() || !request.depth.empty()) image::load_library();
-  if (is_geojson(request.output)) geo::load_gdal();
+  if (is_geojson(request)) geo::load_gdal();
   check_given(request.observers);
 }
 
@@ -139,7 +140,7 @@ View look_around(const HorizonRequest& request, const VisibilityCloud& cloud,
 
 void write_line(const HorizonRequest& request, const Crs& crs, const View& view, Listener& listener) {
   std::string text;
-  if (is_geojson(request.output)) {
+  if (is_geojson(request)) {
     const auto on_globe = geo::lon_lat(crs, visibility::horizon_positions(view.line, view.facts));
     if (!on_globe) warn_of_cloud_coordinates(request.output, listener);
     text = visibility::horizon_geojson(view.line, view.facts, on_globe);

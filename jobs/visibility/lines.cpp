@@ -13,7 +13,6 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "base/remote_map.h"
 #include "geo/earth.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
@@ -349,13 +348,9 @@ LinesResult run(const LinesPlan& plan, Listener& listener) {
         return visibility::report_lines(*cloud->occluders, table.pairs, options, progress, parts);
       });
   table.unscanned = unscanned_lengths(*cloud, table.pairs, listener);
-  if (!request.output.empty()) {
-    const WriteRows write = [&](auto form, const auto& head, const auto& to_lon_lat) {
-      return visibility::write_lines(table, form, head, to_lon_lat, request.output, request.overwrite);
-    };
-    write_rows(request, cloud->cloud.cloud, write, listener);
-  }
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
+  write_rows(
+      request, cloud->cloud.cloud, [&](const auto&... to) { return visibility::write_lines(table, to...); },
+      listener);
   long_run.finish();
   if (listener.is_listening()) listener.note(result_text(request, table));
   cloud->occluders.reset();  // they would need the listener

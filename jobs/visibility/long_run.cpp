@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <array>
 
+#include "base/error.h"
 #include "base/output_file.h"
+#include "base/remote_map.h"
 #include "jobs/outputs.h"
 
 namespace alidade::jobs {
@@ -57,10 +59,16 @@ std::string crs_checksum(const Crs& crs) {
 
 }  // namespace
 
+std::string wrote_text(const JobRequest& request) {
+  return request.output.empty() ? "" : "; wrote " + request.output.string();
+}
+
 void check_checkpoint(const CheckpointRequest& request, bool overwrite,
                       std::span<const std::filesystem::path> outputs,
                       std::span<const std::filesystem::path> inputs) {
   if (request.file.empty()) return;
+  if (!request.fields)
+    throw input_error("a checkpoint of a request without fields", "add_checkpoint_fields() for the request");
   std::error_code error;
   for (const std::filesystem::path& output : outputs) {
     if (!output.empty() && same_file(request.file, output))
@@ -147,6 +155,11 @@ LongRun::LongRun(const CheckpointRequest& request, const std::function<Fingerpri
   }
 }
 
+LongRun::LongRun(const CheckpointRequest& request, const VisibilityCloud& cloud,
+                 std::span<const visibility::Observer> observers, Listener& listener)
+    : LongRun(
+          request, [&] { return run_fingerprint(request, cloud, observers); }, listener) {}
+
 LongRun::~LongRun() {
   if (!parts_ || !parts_->is_kept()) return;
   parts_->flush();
@@ -162,6 +175,7 @@ Progress LongRun::progress(Listener::Stage& stage) {
 }
 
 void LongRun::finish() {
+  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   if (parts_) parts_->remove();
 }
 

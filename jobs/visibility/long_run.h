@@ -17,8 +17,12 @@
 
 namespace alidade::jobs {
 
-/// Lets a run fail before it starts. Errors: the checkpoint is one of the outputs or inputs, exists and may
-/// neither be resumed from nor replaced, is another kind of file, or cannot be written.
+/// "; wrote FILE", the end of a job's last note; nothing without an output.
+std::string wrote_text(const JobRequest& request);
+
+/// Lets a run fail before it starts. Errors: the request has no fields to resume by; the checkpoint is one of
+/// the outputs or inputs, exists and may neither be resumed from nor replaced, is another kind of file, or
+/// cannot be written.
 void check_checkpoint(const CheckpointRequest& request, bool overwrite,
                       std::span<const std::filesystem::path> outputs,
                       std::span<const std::filesystem::path> inputs);
@@ -40,7 +44,7 @@ void add_to_fingerprint(const std::string& name, std::span<const double> numbers
 /// A run with a checkpoint of its finished parts, if one is requested.
 ///
 ///   LongRun run(request.checkpoint, [&] { return run_fingerprint(...); }, listener);
-///   run.work("testing visibility", "lines of sight",
+///   run.work("testing the sky", "cells",
 ///            [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
 ///   ... write ...
 ///   run.finish();
@@ -50,6 +54,9 @@ class LongRun {
   /// checkpoint is requested. Errors: those of PartCheckpoint.
   LongRun(const CheckpointRequest& request, const std::function<Fingerprint()>& fingerprint,
           Listener& listener);
+  /// With run_fingerprint() of the cloud and the observers.
+  LongRun(const CheckpointRequest& request, const VisibilityCloud& cloud,
+          std::span<const visibility::Observer> observers, Listener& listener);
   /// Notes how to resume if the run was not finished.
   ~LongRun();
   LongRun(const LongRun&) = delete;
@@ -65,7 +72,18 @@ class LongRun {
     return result;
   }
 
-  /// Removes the checkpoint: everything is written.
+  /// work() that follows lines of sight by a function of the library: test(options), whose options have
+  /// `progress` and `parts`.
+  template <class Options, class Test>
+  auto test_visibility(Options options, const Test& test) {
+    return work("testing visibility", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
+      options.progress = progress;
+      options.parts = parts;
+      return test(options);
+    });
+  }
+
+  /// Removes the checkpoint: everything is written, or returned. Errors: those of RemoteMap::check_all().
   void finish();
 
  private:

@@ -30,8 +30,6 @@ namespace fs = std::filesystem;
 
 /// Errors that need no cloud.
 void check_request(const PhotosRequest& request) {
-  if (request.output.empty() && request.footprints.empty())
-    throw input_error("missing output", "-o FILE for points, --footprints FILE.gpkg, or both");
   if (!request.output.empty()) check_points_name(request.output);
   if (!request.footprints.empty()) geo::check_geopackage_name(request.footprints);
   if (request.colorize && request.photos.empty() && !camera::is_e57(request.cameras)) {
@@ -182,16 +180,6 @@ Fingerprint fingerprint_of(const PhotosRequest& request, const VisibilityCloud& 
   return fingerprint;
 }
 
-/// The columns of points; `seen` must outlive them.
-std::vector<ResultColumn> columns_of(const visibility::PhotoVisibility& seen) {
-  return {result_column<std::uint32_t>("PhotoCount", "photos that see the point", ScalarType::uint32,
-                                       [&seen](std::size_t id) { return seen.counts[id]; }),
-          result_column<std::uint32_t>("BestPhoto", "finest one, from 1; 0 none", ScalarType::uint32,
-                                       [&seen](std::size_t id) { return seen.best[id]; }),
-          result_column<float>("GroundSampling", "length per pixel in BestPhoto", ScalarType::float32,
-                               [&seen](std::size_t id) { return seen.sampling[id]; })};
-}
-
 /// Points that no photo sees keep the colour they have.
 void keep_colors(const AttributeColumns& columns, visibility::PhotoVisibility& seen) {
   if (columns.colors.empty()) return;
@@ -243,17 +231,6 @@ void write(const PhotosRequest& request, const VisibilityCloud& cloud,
   write_points(request.output, {&results, 1}, request.overwrite, request.memory, listener);
 }
 
-visibility::PhotoVisibility test_visibility(const VisibilityCloud& cloud,
-                                            std::span<const camera::NamedCamera> cameras,
-                                            visibility::PhotoVisibilityOptions options, LongRun& long_run) {
-  return long_run.work("testing visibility", "lines of sight",
-                       [&](const Progress& progress, PartCheckpoint* parts) {
-                         options.progress = progress;
-                         options.parts = parts;
-                         return visibility::photo_visibility(*cloud.occluders, cameras, options);
-                       });
-}
-
 void add_photos(const Fields& fields, PhotosRequest& photos) {
   const Fields group = fields.group("Photos");
   group.required().file("--camera", "FILE|FOLDER", "cameras of the photos: " + k_camera_files,
@@ -285,6 +262,15 @@ void add_answers(const Fields& fields, PhotosRequest& photos) {
 }
 
 }  // namespace
+
+std::vector<ResultColumn> columns_of(const visibility::PhotoVisibility& seen) {
+  return {result_column<std::uint32_t>("PhotoCount", "photos that see the point", ScalarType::uint32,
+                                       [&seen](std::size_t id) { return seen.counts[id]; }),
+          result_column<std::uint32_t>("BestPhoto", "finest one, from 1; 0 none", ScalarType::uint32,
+                                       [&seen](std::size_t id) { return seen.best[id]; }),
+          result_column<float>("GroundSampling", "length per pixel in BestPhoto", ScalarType::float32,
+                               [&seen](std::size_t id) { return seen.sampling[id]; })};
+}
 
 void add_photos_fields(const Fields& fields, PhotosRequest& request) {
   add_cloud(fields, request.files, {"--ignore-classes"});
@@ -322,7 +308,9 @@ PhotosResult run(const PhotosPlan& plan, Listener& listener) {
   say_observer_remarks(observers, *cloud, listener);
   LongRun long_run(
       request.checkpoint, [&] { return fingerprint_of(request, *cloud, cameras, observers); }, listener);
-  visibility::PhotoVisibility seen = test_visibility(*cloud, cameras, options, long_run);
+  visibility::PhotoVisibility seen = long_run.test_visibility(options, [&](const auto& all) {
+    return visibility::photo_visibility(*cloud->occluders, cameras, all);
+  });
   keep_colors(cloud->columns, seen);
   write(request, *cloud, cameras, seen, listener);
   long_run.finish();

@@ -14,6 +14,7 @@
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/visibility/visibility_cloud.h"
+#include "jobs/write_points.h"
 #include "visibility/photos/photo_visibility.h"
 
 namespace alidade::jobs {
@@ -50,8 +51,8 @@ class PhotosPlan {
   camera::CameraSet cameras_;
 };
 
-/// Checks all that can be checked before a point or photo is read, and reads the cameras. Errors: no output;
-/// unknown output formats; colours without photos; files that cannot be read, replaced or written; those of
+/// Checks all that can be checked before a point or photo is read, and reads the cameras. Errors: unknown
+/// output formats; colours without photos; files that cannot be read, replaced or written; those of
 /// read_camera_file().
 PhotosPlan plan(const PhotosRequest& request);
 
@@ -62,7 +63,11 @@ struct PhotosResult {
   visibility::PhotoVisibility seen;
 };
 
-/// Computes what the photos see, and writes the points and footprints. Errors: photos that are missing, of
+/// The columns that the output has beside those of the cloud. `seen` must outlive them.
+std::vector<ResultColumn> columns_of(const visibility::PhotoVisibility& seen);
+
+/// Computes what the photos see, and writes the points and footprints where the request has files for them.
+/// Errors: photos that are missing, of
 /// another size than their cameras, or cannot be read; those of load_cloud_alone() and
 /// visibility::photo_visibility(); Cancelled. Memory: the cloud, its surfaces, and that of
 /// visibility::photo_visibility().

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/remote_map.h"
 #include "image/image_file.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
@@ -76,29 +75,12 @@ std::vector<double> weights_of(const PlaceRequest& request, const VisibilityClou
   return weights;
 }
 
-visibility::Coverage test_visibility(const PlaceRequest& request, const VisibilityCloud& cloud,
-                                     std::span<const visibility::Observer> candidates,
-                                     std::span<const visibility::PlacementTarget> targets,
-                                     LongRun& long_run) {
-  return long_run.work("testing visibility", "lines of sight",
-                       [&](const Progress& progress, PartCheckpoint* parts) {
-                         return visibility::see_targets(*cloud.occluders, candidates, targets,
-                                                        request.target_height.value_or(0.0), progress, parts);
-                       });
-}
-
 /// Requires a position.
 void write(const PlaceRequest& request, const VisibilityCloud& cloud, const visibility::Placement& placement,
            std::span<const visibility::Observer> candidates, Listener& listener) {
-  if (!request.output.empty()) {
-    write_rows(
-        request, cloud.cloud.cloud,
-        [&](auto form, const auto& head, const auto& to_lon_lat) {
-          return visibility::write_placement(placement, candidates, form, head, to_lon_lat, request.output,
-                                             request.overwrite);
-        },
-        listener);
-  }
+  write_rows(
+      request, cloud.cloud.cloud,
+      [&](const auto&... to) { return visibility::write_placement(placement, candidates, to...); }, listener);
   if (!request.curve.empty()) visibility::write_coverage_image(placement, request.curve, request.overwrite);
 }
 
@@ -166,9 +148,12 @@ PlaceResult run(const PlacePlan& plan, Listener& listener) {
   measure_occluders(*cloud, request.occluders, listener);
   say_observer_remarks(candidates, *cloud, listener);
   listener.note(fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
-  LongRun long_run(
-      request.checkpoint, [&] { return run_fingerprint(request.checkpoint, *cloud, candidates); }, listener);
-  const visibility::Coverage coverage = test_visibility(request, *cloud, candidates, targets, long_run);
+  LongRun long_run(request.checkpoint, *cloud, candidates, listener);
+  const double height = request.target_height.value_or(0.0);
+  const visibility::Coverage coverage =
+      long_run.work("testing visibility", "lines of sight", [&](const auto& progress, PartCheckpoint* parts) {
+        return visibility::see_targets(*cloud->occluders, candidates, targets, height, progress, parts);
+      });
   visibility::Placement placement =
       visibility::choose_places(coverage, request.count, weights_of(request, *cloud, targets));
   if (placement.positions.empty()) {
@@ -176,7 +161,6 @@ PlaceResult run(const PlacePlan& plan, Listener& listener) {
   } else {
     write(request, *cloud, placement, candidates, listener);
   }
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   if (!placement.positions.empty()) say_result(request, placement, listener);
   return {std::move(candidates), cloud->cloud.cloud.crs, std::move(targets), std::move(placement)};

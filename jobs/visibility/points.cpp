@@ -11,7 +11,6 @@
 
 #include "base/error.h"
 #include "base/output_file.h"
-#include "base/remote_map.h"
 #include "base/words.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
@@ -56,35 +55,6 @@ std::int64_t blocker_number(std::uint32_t blocker) {
   return blocker == visibility::k_blocked_by_mesh ? -2 : std::int64_t{blocker};
 }
 
-/// `seen` must outlive the columns.
-std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
-  std::vector<ResultColumn> columns;
-  columns.push_back(
-      result_column<std::uint8_t>("Visible", "1: visible from an observer", ScalarType::uint8,
-                                  [&seen](std::size_t id) { return seen.counts[id] > 0 ? 1 : 0; }));
-  columns.push_back(result_column<std::uint32_t>("VisibleCount", "observers that see the point",
-                                                 ScalarType::uint32,
-                                                 [&seen](std::size_t id) { return seen.counts[id]; }));
-  if (!seen.masks.empty()) {
-    columns.push_back(result_column<std::uint64_t>("VisibleBy", "bit i-1: observer i sees it",
-                                                   ScalarType::uint64,
-                                                   [&seen](std::size_t id) { return seen.masks[id]; }));
-  }
-  if (!seen.fractions.empty()) {
-    columns.push_back(result_column<float>("VisibleFraction", "visible share of its disc",
-                                           ScalarType::float32,
-                                           [&seen](std::size_t id) { return seen.fractions[id]; }));
-  }
-  for (std::size_t i = 0; i < seen.blockers.size(); ++i) {
-    const std::vector<std::uint32_t>& blockers = seen.blockers[i];
-    columns.push_back(
-        result_column<std::int64_t>(seen.blockers.size() == 1 ? "Blocker" : fmt::format("Blocker_{}", i + 1),
-                                    "blocking point, -1 none, -2 mesh", ScalarType::int64,
-                                    [&blockers](std::size_t id) { return blocker_number(blockers[id]); }));
-  }
-  return columns;
-}
-
 /// Errors that need no cloud.
 void check_request(const PointsRequest& request) {
   if (!request.output.empty()) check_points_name(request.output);
@@ -127,23 +97,6 @@ visibility::PointVisibilityOptions visibility_options(const PointsRequest& reque
   return options;
 }
 
-visibility::PointVisibility test_visibility(const VisibilityCloud& cloud,
-                                            std::span<const visibility::Observer> observers,
-                                            visibility::PointVisibilityOptions options, LongRun& long_run,
-                                            std::optional<SeenList>& list) {
-  if (list) {
-    options.each_observer = [&list](std::size_t number, std::span<const std::uint8_t> seen) {
-      list->add(number + 1, seen);
-    };
-  }
-  return long_run.work("testing visibility", "lines of sight",
-                       [&](const Progress& progress, PartCheckpoint* parts) {
-                         options.progress = progress;
-                         options.parts = parts;
-                         return visibility::point_visibility(*cloud.occluders, observers, options);
-                       });
-}
-
 /// How many of the hidden points are hidden by points without a surface, and by the point that hides most.
 std::string blocking_text(const visibility::PointVisibility& seen, const visibility::Occluders& occluders) {
   std::vector<std::uint32_t> blockers;
@@ -176,9 +129,9 @@ std::string blocking_text(const visibility::PointVisibility& seen, const visibil
 std::string result_text(const PointsRequest& request, const visibility::PointVisibility& seen) {
   const auto count = static_cast<std::size_t>(
       std::ranges::count_if(seen.counts, [](std::uint32_t observers_of_it) { return observers_of_it > 0; }));
-  return fmt::format("{} of {} points are visible ({:.1f} %){}{}", count, seen.counts.size(),
+  return fmt::format("{} of {} points are visible ({:.1f} %){}", count, seen.counts.size(),
                      100.0 * static_cast<double>(count) / static_cast<double>(seen.counts.size()),
-                     request.output.empty() ? "" : "; wrote ", request.output.string());
+                     wrote_text(request));
 }
 
 void add_answers(const Fields& points, PointsRequest& request) {
@@ -201,6 +154,34 @@ void add_answers(const Fields& points, PointsRequest& request) {
 
 }  // namespace
 
+std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
+  std::vector<ResultColumn> columns;
+  columns.push_back(
+      result_column<std::uint8_t>("Visible", "1: visible from an observer", ScalarType::uint8,
+                                  [&seen](std::size_t id) { return seen.counts[id] > 0 ? 1 : 0; }));
+  columns.push_back(result_column<std::uint32_t>("VisibleCount", "observers that see the point",
+                                                 ScalarType::uint32,
+                                                 [&seen](std::size_t id) { return seen.counts[id]; }));
+  if (!seen.masks.empty()) {
+    columns.push_back(result_column<std::uint64_t>("VisibleBy", "bit i-1: observer i sees it",
+                                                   ScalarType::uint64,
+                                                   [&seen](std::size_t id) { return seen.masks[id]; }));
+  }
+  if (!seen.fractions.empty()) {
+    columns.push_back(result_column<float>("VisibleFraction", "visible share of its disc",
+                                           ScalarType::float32,
+                                           [&seen](std::size_t id) { return seen.fractions[id]; }));
+  }
+  for (std::size_t i = 0; i < seen.blockers.size(); ++i) {
+    const std::vector<std::uint32_t>& blockers = seen.blockers[i];
+    columns.push_back(
+        result_column<std::int64_t>(seen.blockers.size() == 1 ? "Blocker" : fmt::format("Blocker_{}", i + 1),
+                                    "blocking point, -1 none, -2 mesh", ScalarType::int64,
+                                    [&blockers](std::size_t id) { return blocker_number(blockers[id]); }));
+  }
+  return columns;
+}
+
 void add_points_fields(const Fields& fields, PointsRequest& request) {
   add_cloud(fields, request.files, {"--ignore-classes"});
   add_observer_fields(fields, request.observers);
@@ -222,7 +203,7 @@ PointsResult run(const PointsPlan& plan, Listener& listener) {
                                       AcceptedInput::points, listener);
   std::vector<visibility::Observer> observers = load_observers(request.observers, *cloud, listener);
   check_observer_count(request, observers.size());
-  const visibility::PointVisibilityOptions options =
+  visibility::PointVisibilityOptions options =
       visibility_options(request, cloud->octree().size(), observers.size());
   measure_occluders(*cloud, request.occluders, listener);
   say_observer_remarks(observers, *cloud, listener);
@@ -230,15 +211,20 @@ PointsResult run(const PointsPlan& plan, Listener& listener) {
     listener.note(fmt::format("{} observers exceed the {} bits of VisibleBy; use --lists FILE",
                               observers.size(), visibility::k_most_mask_observers));
   }
-  LongRun long_run(
-      request.checkpoint, [&] { return run_fingerprint(request.checkpoint, *cloud, observers); }, listener);
+  LongRun long_run(request.checkpoint, *cloud, observers, listener);
   std::optional<SeenList> list;
-  if (!request.lists.empty()) list.emplace(request.lists, request.overwrite);
-  visibility::PointVisibility seen = test_visibility(*cloud, observers, options, long_run, list);
+  if (!request.lists.empty()) {
+    list.emplace(request.lists, request.overwrite);
+    options.each_observer = [&](std::size_t number, std::span<const std::uint8_t> seen) {
+      list->add(number + 1, seen);
+    };
+  }
+  visibility::PointVisibility seen = long_run.test_visibility(options, [&](const auto& all) {
+    return visibility::point_visibility(*cloud->occluders, observers, all);
+  });
   if (!request.output.empty())
     write_points(request.output, cloud->cloud, columns_of(seen), request.overwrite, request.memory, listener);
   if (list) list->finish();
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   listener.note(result_text(request, seen));
   if (const std::string text = blocking_text(seen, *cloud->occluders); !text.empty()) listener.note(text);

@@ -12,6 +12,7 @@
 #include "jobs/plan.h"
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/visibility_cloud.h"
+#include "jobs/write_points.h"
 #include "visibility/observers.h"
 #include "visibility/points/point_visibility.h"
 
@@ -45,6 +46,9 @@ struct PointsResult {
   Crs crs;
   visibility::PointVisibility seen;
 };
+
+/// The columns that the output has beside those of the cloud. `seen` must outlive them.
+std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen);
 
 /// Computes what the observers see, and writes the points with it where the request has an output. Errors:
 /// those of load_cloud_alone(), load_observers(), visibility::point_visibility() and write_points(); too many

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/remote_map.h"
 #include "base/shown_text.h"
 #include "geo/raster_file.h"
 #include "jobs/cloud_fields.h"
@@ -249,18 +248,6 @@ Fingerprint fingerprint_of(const CheckpointRequest& request, const VisibilityClo
   return fingerprint;
 }
 
-visibility::Viewshed test_visibility(const VisibilityCloud& cloud, const visibility::Ground& ground,
-                                     std::span<const visibility::Observer> observers,
-                                     const geo::RasterGrid& grid, visibility::ViewshedOptions options,
-                                     LongRun& long_run) {
-  return long_run.work("testing visibility", "lines of sight",
-                       [&](const Progress& progress, PartCheckpoint* parts) {
-                         options.progress = progress;
-                         options.parts = parts;
-                         return visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
-                       });
-}
-
 /// Reads the objects, in the cloud's reference system, those that were given themselves first, and divides
 /// them into samples; notes their numbers. Errors: those of read_objects() and sample_objects().
 visibility::SampledObjects load_objects(const ObjectRequest& options, double max_distance, const Crs& crs,
@@ -323,10 +310,10 @@ std::string result_text(const RasterRequest& request, const visibility::Viewshed
     where = fmt::format("at {:g} above the ground ", options.target_height);
   return fmt::format(
       "{} lines of sight in {:.1f} s ({}/s); visible {}{:.1f} % of the cells in range, {} cells without a "
-      "value{}{}",
+      "value{}",
       short_count(static_cast<double>(seen.line_count)), seconds,
       short_count(static_cast<double>(seen.line_count) / seconds), where, share.percent, share.without,
-      request.output.empty() ? "" : "; wrote ", request.output.string());
+      wrote_text(request));
 }
 
 }  // namespace
@@ -388,7 +375,9 @@ RasterResult run(const RasterPlan& plan, Listener& listener) {
   say_observer_remarks(viewpoints.named, *cloud, listener);
 
   const auto start = std::chrono::steady_clock::now();
-  const visibility::Viewshed seen = test_visibility(*cloud, ground, observers, grid, options, long_run);
+  const visibility::Viewshed seen = long_run.test_visibility(options, [&](const auto& all) {
+    return visibility::viewshed(*cloud->occluders, ground, observers, grid, all);
+  });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   RasterResult result{
       grid, crs,
@@ -406,7 +395,6 @@ RasterResult run(const RasterPlan& plan, Listener& listener) {
     visibility::write_map_image(visibility::viewshed_image(seen, options, viewpoints.named, unit.name),
                                 ground, request.map.preview, request.overwrite);
   }
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
   listener.note(result_text(request, options, seen, seconds));
   return result;

@@ -22,13 +22,14 @@ void load_row_writer(const std::filesystem::path& file) {
 
 void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write,
                 Listener& listener) {
+  if (request.output.empty()) return;
   visibility::RowFileHead head{.command = request.command, .cloud_files = {}};
   for (const CloudFile& file : cloud.files) head.cloud_files.push_back(kept_name(file.path));
   visibility::ToLonLat to_lon_lat;
   if (!cloud.crs.empty()) {
     to_lon_lat = [&](std::span<const glm::dvec3> positions) { return geo::lon_lat(cloud.crs, positions); };
   }
-  if (!write(chosen_row_form(request.output), head, to_lon_lat))
+  if (!write(chosen_row_form(request.output), head, to_lon_lat, request.output, request.overwrite))
     warn_of_cloud_coordinates(request.output, listener);
 }
 

@@ -21,9 +21,11 @@ void load_row_writer(const std::filesystem::path& file);
 
 /// Writes rows, as the functions of the library do; false if a GeoJSON file got the coordinates of the cloud.
 using WriteRows =
-    std::function<bool(visibility::RowForm, const visibility::RowFileHead&, const visibility::ToLonLat&)>;
+    std::function<bool(visibility::RowForm, const visibility::RowFileHead&, const visibility::ToLonLat&,
+                       const std::filesystem::path& file, bool overwrite)>;
 
-/// Writes the output of a job, and warns if it has the coordinates of the cloud. Errors: those of `write`.
+/// Writes the output of a job, if there is one, and warns if it has the coordinates of the cloud. Errors:
+/// those of `write`.
 void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write,
                 Listener& listener);
 

@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "base/remote_map.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/visibility/long_run.h"
 #include "jobs/write_points.h"
@@ -57,13 +56,9 @@ SkyViews point_sky(const SkyRequest& request, const VisibilityCloud& cloud, Long
         return visibility::point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(request),
                                            {progress, parts});
       });
-  const auto value = [&views](std::size_t id) { return views[id]; };
-  if (!request.output.empty()) {
-    write_points(request.output, cloud.cloud,
-                 {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
-                 request.overwrite, request.memory, listener);
-  }
-  std::string summary = range_and_mean(value, views.size());
+  if (!request.output.empty())
+    write_points(request.output, cloud.cloud, columns_of(views), request.overwrite, request.memory, listener);
+  std::string summary = range_and_mean([&views](std::size_t id) { return views[id]; }, views.size());
   return {{std::move(views), cloud.cloud.cloud.crs, {}}, std::move(summary)};
 }
 
@@ -76,6 +71,11 @@ void add_sky_fields(const Fields& fields, SkyRequest& request) {
                                 "lines of sight per point or cell (default: 128, for an error of about 0.01)",
                                 request.directions, 1, visibility::k_most_sky_directions);
   add_partial(fields, request.partial);
+}
+
+std::vector<ResultColumn> columns_of(const std::vector<float>& views) {
+  return {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32,
+                               [&views](std::size_t id) { return views[id]; })};
 }
 
 SkyPlan plan(const SkyRequest& request) {
@@ -91,10 +91,8 @@ SkyResult run(const SkyPlan& plan, Listener& listener) {
   measure_occluders(*site.cloud, request.occluders, listener);
   SkyViews views = request.is_map() ? map_sky(request, site, long_run)
                                     : point_sky(request, *site.cloud, long_run, listener);
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   long_run.finish();
-  listener.note(fmt::format("sky-view factors {}{}{}", views.summary,
-                            request.output.empty() ? "" : "; wrote ", request.output.string()));
+  listener.note(fmt::format("sky-view factors {}{}", views.summary, wrote_text(request)));
   return std::move(views.result);
 }
 

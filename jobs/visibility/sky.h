@@ -11,6 +11,7 @@
 #include "jobs/plan.h"
 #include "jobs/visibility/map_request.h"
 #include "jobs/visibility/sky_site.h"
+#include "jobs/write_points.h"
 
 namespace alidade::jobs {
 
@@ -35,6 +36,9 @@ struct SkyResult {
   Crs crs;
   MapMetadata metadata;  ///< of a map
 };
+
+/// The column of points that the output has beside those of the cloud. `views` must outlive it.
+std::vector<ResultColumn> columns_of(const std::vector<float>& views);
 
 /// Computes the factors, and writes them where the request has an output. Errors: those of load_sky_site(),
 /// point_sky_views() or ground_sky_views() of visibility/sky/sky_of_cloud.h, and write_points(); Cancelled.

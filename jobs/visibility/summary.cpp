@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "base/remote_map.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
@@ -36,17 +35,6 @@ void check_request(const SummaryRequest& request) {
   check_outputs({{request.output}}, request.overwrite, inputs);
   check_checkpoint(request.checkpoint, request.overwrite, {{request.output}}, inputs);
   check_given(request.observers);
-}
-
-std::vector<visibility::ObserverSummary> summarize(const VisibilityCloud& cloud,
-                                                   std::span<const visibility::Observer> observers,
-                                                   visibility::SummaryOptions options, LongRun& long_run) {
-  return long_run.work("testing visibility", "lines of sight",
-                       [&](const Progress& progress, PartCheckpoint* parts) {
-                         options.progress = progress;
-                         options.parts = parts;
-                         return visibility::summarize(*cloud.occluders, observers, options);
-                       });
 }
 
 void add_answers(const Fields& summary, SummaryRequest& request) {
@@ -90,25 +78,21 @@ SummaryResult run(const SummaryPlan& plan, Listener& listener) {
   visibility::check_point_visibility(cloud->octree().size(), observers.size(), {});
   measure_occluders(*cloud, request.occluders, listener);
   say_observer_remarks(observers, *cloud, listener);
-  LongRun long_run(
-      request.checkpoint, [&] { return run_fingerprint(request.checkpoint, *cloud, observers); }, listener);
+  LongRun long_run(request.checkpoint, *cloud, observers, listener);
   visibility::SummaryOptions options = request.summary;
   options.classes = cloud->columns.classifications;
-  std::vector<visibility::ObserverSummary> summaries = summarize(*cloud, observers, options, long_run);
-  if (!request.output.empty()) {
-    write_rows(
-        request, cloud->cloud.cloud,
-        [&](auto form, const auto& head, const auto& to_lon_lat) {
-          return visibility::write_summaries(summaries, observers, options, form, head, to_lon_lat,
-                                             request.output, request.overwrite);
-        },
-        listener);
-  }
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
+  std::vector<visibility::ObserverSummary> summaries = long_run.test_visibility(
+      options, [&](const auto& all) { return visibility::summarize(*cloud->occluders, observers, all); });
+  write_rows(
+      request, cloud->cloud.cloud,
+      [&](const auto&... to) { return visibility::write_summaries(summaries, observers, options, to...); },
+      listener);
   long_run.finish();
-  listener.note(fmt::format("{} observer{}{}{}", observers.size(), observers.size() == 1 ? "" : "s",
-                            request.output.empty() ? "" : "; wrote ", request.output.string()));
-  return {std::move(observers), cloud->cloud.cloud.crs, std::move(summaries)};
+  listener.note(fmt::format("{} observer{}{}", observers.size(), observers.size() == 1 ? "" : "s",
+                            wrote_text(request)));
+  std::bitset<256> classes;
+  for (const std::uint8_t number : options.classes) classes.set(number);
+  return {std::move(observers), cloud->cloud.cloud.crs, std::move(summaries), classes};
 }
 
 }  // namespace alidade::jobs

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <bitset>
 #include <vector>
 
 #include "cloud/crs.h"
@@ -37,6 +38,7 @@ struct SummaryResult {
   std::vector<visibility::Observer> observers;
   Crs crs;
   std::vector<visibility::ObserverSummary> summaries;
+  std::bitset<256> classes;  ///< of the cloud's points, for visibility::summary_row()
 };
 
 /// Summarizes what the observers see, and writes it where the request has an output. Errors: those of

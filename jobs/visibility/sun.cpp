@@ -29,35 +29,24 @@ std::string name_of(const SunQuantity& quantity, const std::string& period) {
   return period.empty() ? quantity.name : fmt::format("{}_{}", quantity.name, period);
 }
 
-/// Radiation, and a summary for people.
-struct SunAnswers {
+SunResult map_sun(const SunRequest& request, const SkySite& site, const SunSky& sun, LongRun& long_run,
+                  std::string& range) {
   SunResult result;
-  std::string summary;
-};
-
-SunAnswers map_sun(const SunRequest& request, const SkySite& site, const SunSky& sun, LongRun& long_run) {
-  std::vector<geo::Raster<visibility::Radiation>> maps =
+  result.periods = sun.periods;
+  result.crs = site.cloud->cloud.cloud.crs;
+  result.maps =
       long_run.work("testing the sun", "cells", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::ground_sun_hours(
             *site.cloud->occluders, *site.ground, site.grid, request.map.target_height.value_or(0.0),
             sun.light, request.hours_options(visibility::SkyReceiver::horizontal), {progress, parts});
       });
-  std::vector<geo::Raster<float>> values;
+  std::vector<SunBand> values = bands_of(request, result);
   std::vector<SkyBand> bands;
-  values.reserve(maps.size() * sun_quantities(request).size());
-  for (std::size_t period = 0; period < maps.size(); ++period) {
-    for (const SunQuantity& quantity : sun_quantities(request)) {
-      geo::Raster<float>& band = values.emplace_back(site.grid, std::numeric_limits<float>::quiet_NaN());
-      std::ranges::transform(maps[period].values, band.values.begin(), [&](const visibility::Radiation& one) {
-        return std::isnan(one.hours) ? one.hours : quantity.value(one);
-      });
-      bands.push_back({band, name_of(quantity, sun.periods[period]), quantity.unit});
-    }
-  }
-  const auto& first = values.front().values;
-  std::string summary = range_and_mean([&](std::size_t i) { return first[i]; }, first.size());
+  for (SunBand& band : values) bands.push_back({band.values, band.name, band.unit});
+  const auto& first = values.front().values.values;
+  range = range_and_mean([&](std::size_t i) { return first[i]; }, first.size());
   const visibility::SunSchedule& schedule = sun.schedule;
-  MapMetadata metadata = write_sky_map(
+  result.metadata = write_sky_map(
       request, site, bands, sun_metadata(request, sun),
       {.title = "Hours of direct sun",
        .values = {},
@@ -67,50 +56,28 @@ SunAnswers map_sun(const SunRequest& request, const SkySite& site, const SunSky&
        .notes = {sun.periods.front().empty()
                      ? fmt::format("{} to {}", date_time_text(schedule.from), date_time_text(schedule.to))
                      : sun.periods.front()}});
-  return {{.periods = sun.periods,
-           .maps = std::move(maps),
-           .radiation = {},
-           .observers = {},
-           .crs = site.cloud->cloud.cloud.crs,
-           .metadata = std::move(metadata)},
-          std::move(summary)};
+  return result;
 }
 
-void write_columns(const SunRequest& request, const VisibilityCloud& cloud, const SunSky& sun,
-                   std::span<const visibility::Radiation> answers, Listener& listener) {
-  const std::size_t periods = sun.periods.size();
-  std::vector<ResultColumn> columns;
-  for (std::size_t period = 0; period < periods; ++period) {
-    for (const SunQuantity& quantity : sun_quantities(request)) {
-      columns.push_back(result_column<float>(name_of(quantity, sun.periods[period]), quantity.text,
-                                             ScalarType::float32,
-                                             [answers, &quantity, period, periods](std::size_t id) {
-                                               return quantity.value(answers[id * periods + period]);
-                                             }));
-    }
-  }
-  write_points(request.output, cloud.cloud, columns, request.overwrite, request.memory, listener);
-}
-
-SunAnswers point_sun(const SunRequest& request, const VisibilityCloud& cloud, const SunSky& sun,
-                     LongRun& long_run, Listener& listener) {
-  std::vector<visibility::Radiation> answers =
+SunResult point_sun(const SunRequest& request, const VisibilityCloud& cloud, const SunSky& sun,
+                    LongRun& long_run, std::string& range, Listener& listener) {
+  SunResult result;
+  result.periods = sun.periods;
+  result.crs = cloud.cloud.cloud.crs;
+  result.metadata = sun_metadata(request, sun);
+  result.radiation =
       long_run.work("testing the sun", "points", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::point_sun_hours(*cloud.occluders, cloud.columns.normals, sun.light,
                                            request.hours_options(visibility::SkyReceiver::surface),
                                            {progress, parts});
       });
+  if (!request.output.empty())
+    write_points(request.output, cloud.cloud, columns_of(request, result), request.overwrite, request.memory,
+                 listener);
   const std::size_t periods = sun.periods.size();
-  if (!request.output.empty()) write_columns(request, cloud, sun, answers, listener);
-  std::string summary =
-      range_and_mean([&](std::size_t id) { return answers[id * periods].hours; }, answers.size() / periods);
-  return {{.periods = sun.periods,
-           .maps = {},
-           .radiation = std::move(answers),
-           .observers = {},
-           .crs = cloud.cloud.cloud.crs,
-           .metadata = sun_metadata(request, sun)},
-          std::move(summary)};
+  range = range_and_mean([&](std::size_t id) { return result.radiation[id * periods].hours; },
+                         result.radiation.size() / periods);
+  return result;
 }
 
 /// Errors that need no cloud.
@@ -128,41 +95,6 @@ void check_observer_fields(const SunRequest& request) {
   const std::filesystem::path outputs[] = {request.output, request.diagram};
   check_outputs(outputs, request.overwrite, request.inputs({request.observers.file, request.weather}));
   if (!request.diagram.empty()) image::load_library();
-}
-
-/// A row for each observer and period.
-visibility::PositionTable table_of(const SunRequest& request, const SunSky& sun,
-                                   std::span<const visibility::Observer> observers,
-                                   std::span<const visibility::Radiation> answers) {
-  visibility::PositionTable table{.list = "observers", .rows = {}, .positions = {}};
-  std::size_t next = 0;
-  for (const visibility::Observer& observer : observers) {
-    for (const std::string& period : sun.periods) {
-      const glm::dvec3& position = observer.position;
-      visibility::Row row{
-          {"observer", observer.name}, {"x", position.x}, {"y", position.y}, {"z", position.z}};
-      if (!period.empty()) row["period"] = period;
-      const visibility::Radiation& answer = answers[next++];
-      for (const SunQuantity& quantity : sun_quantities(request))
-        row[quantity.name] = std::round(1e4 * static_cast<double>(quantity.value(answer))) / 1e4;
-      table.rows.push_back(std::move(row));
-      table.positions.push_back(position);
-    }
-  }
-  return table;
-}
-
-void write_table(const SunRequest& request, const VisibilityCloud& cloud,
-                 const visibility::PositionTable& table, const MapMetadata& metadata, Listener& listener) {
-  visibility::Row members = visibility::Row::object();
-  for (const auto& [key, text] : metadata) members[key] = text;
-  write_rows(
-      request, cloud.cloud.cloud,
-      [&](auto form, const auto& head, const auto& to_lon_lat) {
-        return visibility::write_positions(table, members, form, head, to_lon_lat, request.output,
-                                           request.overwrite);
-      },
-      listener);
 }
 
 void write_diagram(const SunRequest& request, const VisibilityCloud& cloud, const SunSky& sun,
@@ -210,25 +142,80 @@ SunResult run_observers(const SunRequest& request, Listener& listener) {
   for (const visibility::Observer& observer : observers)
     targets.push_back(
         visibility::target_in_open(visibility::end_near_surface(*cloud->occluders, observer.position)));
-  std::vector<visibility::Radiation> answers(targets.size() * sun->periods.size());
+  SunResult result;
+  result.periods = sun->periods;
+  result.crs = cloud->cloud.cloud.crs;
+  result.metadata = sun_metadata(request, *sun);
+  result.radiation.resize(targets.size() * sun->periods.size());
   visibility::sun_hours(*cloud->occluders, targets, sun->light,
-                        request.hours_options(visibility::SkyReceiver::horizontal), answers);
-  MapMetadata metadata = sun_metadata(request, *sun);
-  if (!request.output.empty())
-    write_table(request, *cloud, table_of(request, *sun, observers, answers), metadata, listener);
-  if (!request.diagram.empty()) write_diagram(request, *cloud, *sun, observers.front(), listener);
+                        request.hours_options(visibility::SkyReceiver::horizontal), result.radiation);
+  result.observers = std::move(observers);
+  visibility::Row members = visibility::Row::object();
+  for (const auto& [key, text] : result.metadata) members[key] = text;
+  write_rows(
+      request, cloud->cloud.cloud,
+      [&](const auto&... to) {
+        return visibility::write_positions(table_of(request, result), members, to...);
+      },
+      listener);
+  if (!request.diagram.empty()) write_diagram(request, *cloud, *sun, result.observers.front(), listener);
   RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   if (!request.output.empty())
-    listener.note(fmt::format("wrote {} rows to {}", answers.size(), request.output.string()));
-  return {.periods = sun->periods,
-          .maps = {},
-          .radiation = std::move(answers),
-          .observers = std::move(observers),
-          .crs = cloud->cloud.cloud.crs,
-          .metadata = std::move(metadata)};
+    listener.note(fmt::format("wrote {} rows to {}", result.radiation.size(), request.output.string()));
+  return result;
 }
 
 }  // namespace
+
+std::vector<SunBand> bands_of(const SunRequest& request, const SunResult& result) {
+  std::vector<SunBand> bands;
+  for (std::size_t period = 0; period < result.maps.size(); ++period) {
+    const geo::Raster<visibility::Radiation>& map = result.maps[period];
+    for (const SunQuantity& quantity : sun_quantities(request)) {
+      bands.push_back({name_of(quantity, result.periods[period]), quantity.unit,
+                       geo::Raster<float>(map.grid, std::numeric_limits<float>::quiet_NaN())});
+      std::ranges::transform(map.values, bands.back().values.values.begin(),
+                             [&](const visibility::Radiation& one) {
+                               return std::isnan(one.hours) ? one.hours : quantity.value(one);
+                             });
+    }
+  }
+  return bands;
+}
+
+std::vector<ResultColumn> columns_of(const SunRequest& request, const SunResult& result) {
+  const std::size_t periods = result.periods.size();
+  std::vector<ResultColumn> columns;
+  for (std::size_t period = 0; period < periods; ++period) {
+    for (const SunQuantity& quantity : sun_quantities(request)) {
+      columns.push_back(result_column<float>(name_of(quantity, result.periods[period]), quantity.text,
+                                             ScalarType::float32,
+                                             [&result, &quantity, period, periods](std::size_t id) {
+                                               return quantity.value(result.radiation[id * periods + period]);
+                                             }));
+    }
+  }
+  return columns;
+}
+
+visibility::PositionTable table_of(const SunRequest& request, const SunResult& result) {
+  visibility::PositionTable table{.list = "observers", .rows = {}, .positions = {}};
+  std::size_t next = 0;
+  for (const visibility::Observer& observer : result.observers) {
+    for (const std::string& period : result.periods) {
+      const glm::dvec3& position = observer.position;
+      visibility::Row row{
+          {"observer", observer.name}, {"x", position.x}, {"y", position.y}, {"z", position.z}};
+      if (!period.empty()) row["period"] = period;
+      const visibility::Radiation& answer = result.radiation[next++];
+      for (const SunQuantity& quantity : sun_quantities(request))
+        row[quantity.name] = std::round(1e4 * static_cast<double>(quantity.value(answer))) / 1e4;
+      table.rows.push_back(std::move(row));
+      table.positions.push_back(position);
+    }
+  }
+  return table;
+}
 
 SunPlan plan(const SunRequest& request) {
   if (request.beam_only && request.bounces > 0)
@@ -258,13 +245,12 @@ SunResult run(const SunPlan& plan, Listener& listener) {
       },
       listener);
   measure_occluders(*site.cloud, request.occluders, listener);
-  SunAnswers answers = request.is_map() ? map_sun(request, site, *sun, long_run)
-                                        : point_sun(request, *site.cloud, *sun, long_run, listener);
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
+  std::string range;
+  SunResult result = request.is_map() ? map_sun(request, site, *sun, long_run, range)
+                                      : point_sun(request, *site.cloud, *sun, long_run, range, listener);
   long_run.finish();
-  listener.note(fmt::format("hours of sun {}{}{}", answers.summary, request.output.empty() ? "" : "; wrote ",
-                            request.output.string()));
-  return std::move(answers.result);
+  listener.note(fmt::format("hours of sun {}{}", range, wrote_text(request)));
+  return result;
 }
 
 }  // namespace alidade::jobs

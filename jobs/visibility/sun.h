@@ -10,7 +10,9 @@
 #include "jobs/plan.h"
 #include "jobs/visibility/map_request.h"
 #include "jobs/visibility/sun_request.h"
+#include "jobs/write_points.h"
 #include "visibility/observers.h"
+#include "visibility/row_text.h"
 #include "visibility/sky/sun_hours.h"
 
 namespace alidade::jobs {
@@ -32,6 +34,18 @@ struct SunResult {
   Crs crs;
   MapMetadata metadata;
 };
+
+/// A band of the map that is written, NaN without ground.
+struct SunBand {
+  std::string name, unit;
+  geo::Raster<float> values;
+};
+
+/// The answers as the output has them: bands of a map; columns of points, which `result` must outlive; or a
+/// row for each observer and period.
+std::vector<SunBand> bands_of(const SunRequest& request, const SunResult& result);
+std::vector<ResultColumn> columns_of(const SunRequest& request, const SunResult& result);
+visibility::PositionTable table_of(const SunRequest& request, const SunResult& result);
 
 /// Computes hours and radiation, and writes them where the request has an output. Errors: those of
 /// load_sky_site() or load_observers(), sun_of() and the functions of visibility/sky/sun_hours.h and

@@ -106,19 +106,6 @@ void load_raster_alone(const VisibilityRequest& request, AcceptedInput accepted,
   loaded.cloud.cloud = std::move(none);
 }
 
-/// Errors: both systems are known and differ.
-void check_same_system(const Crs& terrain, const std::filesystem::path& file, const Crs& cloud,
-                       Listener& listener) {
-  if (terrain.empty() || cloud.empty()) return;
-  const CrsAgreement agreement = compare_crs(terrain, cloud);
-  if (agreement == CrsAgreement::different)
-    throw file_error(file, "the raster is in another reference system than the cloud",
-                     crs_name(cloud) + ": reproject the raster with gdalwarp -t_srs", crs_name(terrain));
-  if (agreement == CrsAgreement::unknown)
-    listener.warn(fmt::format("{} is in {}, the cloud in {}; both are assumed to be the same", file.string(),
-                              crs_name(terrain), crs_name(cloud)));
-}
-
 /// The octree with all that occluders would measure themselves, in steps that show their progress.
 Octree measured(Octree octree, const visibility::OccluderOptions& options, Listener& listener) {
   if (octree.size() == 0) return octree;
@@ -231,9 +218,24 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& reque
   if (loaded->cloud.octree.size() == 0)
     throw file_error(request.files.first_name(), "the cloud has no points");
   check_map_unit(loaded->cloud.cloud.crs, request.files);
-  if (!terrain.empty()) check_same_system(terrain_crs, terrain, loaded->cloud.cloud.crs, listener);
+  const Crs& crs = loaded->cloud.cloud.crs;
+  if (!terrain_crs.empty() && !crs.empty())
+    check_same_system(
+        {terrain_crs, terrain.string()}, {crs, "the cloud"},
+        file_error(terrain, "the raster is in another reference system than the cloud",
+                   crs_name(crs) + ": reproject the raster with gdalwarp -t_srs", crs_name(terrain_crs)),
+        listener);
   loaded->columns = loaded->cloud.columns();
   return loaded;
+}
+
+void check_same_system(const NamedSystem& one, const NamedSystem& other, const Error& different,
+                       Listener& listener) {
+  const CrsAgreement agreement = compare_crs(one.crs, other.crs);
+  if (agreement == CrsAgreement::different) throw different;
+  if (agreement == CrsAgreement::unknown)
+    listener.warn(fmt::format("{} is in {}, {} in {}; both are assumed to be the same", one.name,
+                              crs_name(one.crs), other.name, crs_name(other.crs)));
 }
 
 visibility::Occluders measured_occluders(const Octree& octree, std::span<const std::uint8_t> classes,

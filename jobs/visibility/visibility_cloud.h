@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
@@ -86,6 +87,17 @@ enum class AcceptedInput {
 /// coordinates in degrees.
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
                                                   AcceptedInput accepted, Listener& listener);
+
+/// A known reference system, and what has it, in messages.
+struct NamedSystem {
+  const Crs& crs;
+  std::string name;
+};
+
+/// Errors: `different`, if the systems differ. Warns that they are assumed to be the same if that cannot be
+/// decided.
+void check_same_system(const NamedSystem& one, const NamedSystem& other, const Error& different,
+                       Listener& listener);
 
 /// The occluders among points; points of ignored classes, `classes` being those of all points, block nothing.
 /// Measures the spacings and surfaces that the octree lacks. The listener must live as long as the result.

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: MIT
-from ._answers import Comparison, HitLists, Hits, Map, NeighbourLists, Neighbours, PathHits, PointLists, Raster
+from ._answers import (Change, Comparison, HitLists, Hits, Map, NeighbourLists, Neighbours, PathHits, PointLists, Points, Raster,
+                       Rows)
 from ._alidade import Cloud, Error, Index, __doc__, __version__, compare, open, render, viewshed, visible
-from . import visibility
+from . import jobs, visibility
+from .jobs import change

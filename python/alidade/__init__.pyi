@@ -7,6 +7,7 @@ from numpy import bool_, float64, int64
 from numpy.typing import ArrayLike, NDArray
 
 from ._answers import (
+    Change as Change,
     Comparison as Comparison,
     HitLists as HitLists,
     Hits as Hits,
@@ -15,10 +16,13 @@ from ._answers import (
     Neighbours as Neighbours,
     PathHits as PathHits,
     PointLists as PointLists,
+    Points as Points,
     Raster as Raster,
+    Rows as Rows,
 )
 
-from . import visibility as visibility
+from . import jobs as jobs, visibility as visibility
+from .jobs import change as change
 
 __version__: str
 Progress = Callable[[int, int], Any]
@@ -86,10 +90,15 @@ class Index(Cloud):
     def along(self, path: ArrayLike, radius: float, *, where: NDArray[bool_] | None = None,
               classes: Sequence[int] | None = None, max_level: int | None = None, workers: int = -1) -> PathHits: ...
 
-def open(files: File | Sequence[File], *, partial: bool = False, workers: int = -1,
+def open(files: File | Sequence[File], *, partial: bool = False, classes: str | Sequence[int] | None = None,
+         ignore_classes: str | Sequence[int] | None = None, where: str | None = None,
+         crop: File | Sequence[float] | None = None, crop_crs: str | None = None,
+         columns: str | Sequence[str] | None = None, crs: str | None = None, reproject: str | None = None,
+         vertical_unit: Literal["m", "ft", "us-ft"] | None = None, cache: File | None = None,
+         allow_host: str | Sequence[str] | None = None, cache_size: int | str | None = None, workers: int = -1,
          progress: Progress | None = None) -> Cloud: ...
 def render(index: Index, *, camera: dict[str, Any] | File | None = None, scene: dict[str, Any] | str | None = None,
-           size: tuple[int, int] = (1200, 800), samples: int | None = None, layers: Sequence[str] = ("color",),
+           size: tuple[int, int] = (1200, 800), samples: int | None = None, layers: Sequence[str] = ...,
            exposure: float | None = None, seed: int | None = None, workers: int = -1,
            progress: Progress | None = None) -> dict[str, NDArray[Any]]: ...
 def visible(index: Index, observers: ArrayLike, *, height: float | None = None, max_distance: float | None = None,

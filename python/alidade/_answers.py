@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 class Hits(NamedTuple):
     """Points of rays, in the shape of the rays; index -1 and nan where no point answers."""
-    index: NDArray[int64]
+    index: NDArray[int64]  # type: ignore[assignment]
     t: NDArray[float64]
     distance: NDArray[float64]
     entry: NDArray[float64]
@@ -16,7 +16,7 @@ class Hits(NamedTuple):
 
 class HitLists(NamedTuple):
     """All points of rays, one ray after the other: those of ray i are offsets[i] to offsets[i + 1] - 1."""
-    index: NDArray[int64]
+    index: NDArray[int64]  # type: ignore[assignment]
     offsets: NDArray[int64]
     t: NDArray[float64]
     distance: NDArray[float64]
@@ -25,26 +25,26 @@ class HitLists(NamedTuple):
 
 class Neighbours(NamedTuple):
     """Points near positions, nearest first; index -1 and distance inf where fewer answer."""
-    index: NDArray[int64]
+    index: NDArray[int64]  # type: ignore[assignment]
     distance: NDArray[float64]
 
 
 class NeighbourLists(NamedTuple):
     """All points near positions: those of position i are offsets[i] to offsets[i + 1] - 1."""
-    index: NDArray[int64]
+    index: NDArray[int64]  # type: ignore[assignment]
     offsets: NDArray[int64]
     distance: NDArray[float64]
 
 
 class PointLists(NamedTuple):
     """All points in boxes: those of box i are offsets[i] to offsets[i + 1] - 1."""
-    index: NDArray[int64]
+    index: NDArray[int64]  # type: ignore[assignment]
     offsets: NDArray[int64]
 
 
 class PathHits(NamedTuple):
     """Points along a path: number of the segment's first vertex, way from the first vertex, distance."""
-    index: NDArray[int64]
+    index: NDArray[int64]  # type: ignore[assignment]
     segment: NDArray[int64]
     t: NDArray[float64]
     distance: NDArray[float64]
@@ -65,6 +65,28 @@ class Map(NamedTuple):
     crs: Optional[str]
     nodata: float
     metadata: Dict[str, str]
+
+
+class Points(NamedTuple):
+    """What a job found out about the points of a cloud: columns by point, in the order of the cloud, with the names that
+    the job's output has; rows about observers, photos or classes, as columns; coordinate reference system."""
+    columns: Dict[str, NDArray[Any]]
+    rows: Dict[str, NDArray[Any]]
+    crs: Optional[str]
+
+
+class Rows(NamedTuple):
+    """Rows of a job's output: columns by name, coordinate reference system, and facts that are not of a single row. A
+    column without a value in every row has numbers, nan where there is none."""
+    columns: Dict[str, NDArray[Any]]
+    crs: Optional[str]
+    facts: Dict[str, Any]
+
+
+class Change(NamedTuple):
+    """What has changed between two scans, of the points of both; rows are about the classes of change."""
+    before: Points
+    after: Points
 
 
 class Comparison(NamedTuple):

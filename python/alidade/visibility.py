@@ -1,31 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""Maps of what is visible, as `alidade visibility` makes them.
+"""What is visible, as `alidade visibility` computes it.
 
 The fields are the options of the program, with _ for -. Their values are numbers, texts, True for options without a value,
 sequences where the program takes a list, such as extent=(x0, y0, x1, y1), and sequences of sequences where an option may be
 repeated, such as observer=[(x, y), (x, y, z)]."""
-from textwrap import fill
+from ._jobs import job as _job
 
-from ._alidade import _raster, _raster_fields
-
-
-def raster(files, *, workers=-1, progress=None, note=None, **fields):
-    return _raster(files, workers=workers, progress=progress, note=note, **fields)
-
-
-def _described(function, summary, fields):
-    text = [summary, "", "Parameters", "----------", "files : file or list of files",
-            "    Cloud files, folders, patterns, an index file, or a table of a database; or an elevation raster.",
-            "workers : int", "    Number of threads; -1: all.",
-            "progress : function", "    Called with the work done and all work of each stage; what it raises ends the work.",
-            "note : function", "    Called at the end with each text that the program would print."]
-    for name, kind, help_text, form in fields:
-        text.append(f"{name} : {kind or 'bool'}" + (", or a sequence of them" if form == "repeated" else ""))
-        text.append(fill(help_text[0].upper() + help_text[1:] + ".", 96, initial_indent="    ", subsequent_indent="    "))
-    function.__doc__ = "\n".join(text)
-
-
-_described(raster, """Compute a viewshed of the ground, or of objects from the ground: an alidade.Map.
-
-Without `output` nothing is written. The map is that of `alidade visibility raster`, whose manual explains the modes.""",
-           _raster_fields())
+raster = _job("visibility raster", "Compute a viewshed of the ground, or of objects from the ground: an alidade.Map.")
+points = _job("visibility points", "Compute the visibility of every point, and what blocks it: alidade.Points, with rows of observers.")
+horizon = _job("visibility horizon", "Compute the horizon and sky-view factors at one position: alidade.Rows, one per azimuth.")
+sky = _job("visibility sky", "Compute sky-view factors: alidade.Points, or an alidade.Map of the ground with a field of maps, such as `resolution`.")
+sun = _job("visibility sun", "Compute hours of direct sun and radiation: alidade.Points; with a field of maps a dict of alidade.Map; for observers "
+           "alidade.Rows.")
+lines = _job("visibility lines", "Test lines of sight between pairs of positions, and their Fresnel zones: alidade.Rows, one per line.")
+place = _job("visibility place", "Choose the few observer positions that see most: alidade.Rows, one per position; none if no candidate sees a target.")
+summary = _job("visibility summary", "Summarize what each observer sees: alidade.Rows, one per observer.")
+photos = _job("visibility photos", "Compute which photos see which points: alidade.Points, with rows of photos.")

@@ -21,6 +21,7 @@ struct FieldTableTest : ::testing::Test {
     fields.excludes(radius).count("--target-count", "N", "points", count, 1, 9);
     fields.needs(radius).flag("--overwrite", "replace it", overwrite);
     fields.text("--name", "TEXT", "names", names);
+    fields.text("-t,--to", "TEXT", "a short name", to);
     fields.words(
         "cloud", "FILE...", "files", [this](const auto& words) { files = words; }, 2);
   }
@@ -48,6 +49,7 @@ struct FieldTableTest : ::testing::Test {
   std::optional<int> count;
   bool overwrite = false;
   std::vector<std::string> names, files;
+  std::string to;
 };
 
 TEST_F(FieldTableTest, fields_read_what_is_given_by_any_of_their_names) {
@@ -78,8 +80,8 @@ TEST_F(FieldTableTest, what_was_given_is_listed_in_the_order_of_declaration) {
   table->give("overwrite", {});
   table->give("output", {"a.tif"});
   const std::vector<std::pair<std::string, std::vector<std::string>>> expected = {
-      {"output", {"a.tif"}},   {"radius", {"1"}}, {"target-count", {}},
-      {"overwrite", {"true"}}, {"name", {}},      {"cloud", {}}};
+      {"output", {"a.tif"}}, {"radius", {"1"}}, {"target-count", {}}, {"overwrite", {"true"}},
+      {"name", {}},          {"to", {}},        {"cloud", {}}};
   EXPECT_EQ(table->given(), expected);
   EXPECT_EQ(table->name(), "thing");
 }
@@ -98,7 +100,7 @@ TEST_F(FieldTableTest, wrong_uses_name_the_field) {
   EXPECT_EQ(error_of_reading(), "radius: invalid value; expected a number from 0.5 to 10, found '11'");
   table->give("radius", {"10"});
   table->give("target_count", {"1"});
-  EXPECT_EQ(error_of_reading(), "target-count excludes radius");
+  EXPECT_EQ(error_of_reading(), "target_count excludes radius");
 }
 
 TEST_F(FieldTableTest, the_command_has_operands_before_options_and_no_outputs) {
@@ -109,6 +111,12 @@ TEST_F(FieldTableTest, the_command_has_operands_before_options_and_no_outputs) {
   EXPECT_EQ(command_text(*table), "alidade thing a.las b.las --radius 1 --name \"two words\"");
   EXPECT_EQ(command_text(*table, std::array<std::string_view, 1>{"radius"}),
             "alidade thing a.las b.las --name \"two words\"");
+}
+
+TEST_F(FieldTableTest, messages_name_fields_in_place_of_options) {
+  EXPECT_EQ(table->in_own_words("--target-count requires --radius R; --other, a--b"),
+            "target_count requires radius R; --other, a--b");
+  EXPECT_EQ(table->in_own_words("--"), "--");
 }
 
 TEST_F(FieldTableTest, a_field_that_needs_another_is_not_read_alone) {

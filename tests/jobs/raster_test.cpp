@@ -224,7 +224,7 @@ TEST_F(RasterJobTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "invalid position");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
                   "visible|count|height|fraction|size|solid-angle");
-  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "visible-value");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "visible_value");
   expect_rejected(
       {"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "height", "--highest", "1", "--tz", "2"},
       "--highest does not exceed");
@@ -327,7 +327,7 @@ TEST_F(RasterJobTest, objects_out_of_place_are_errors_and_leave_no_map) {
                   "--mode solid-angle requires objects with a width");
   expect_rejected(with(k_mast, {"--horizontal-fov", "0,90"}), "a field of view does not apply to objects");
   expect_rejected(with(k_mast, {"--tz", "1"}), "--target-height does not apply to objects");
-  expect_rejected(with(k_mast, {"--object-spacing", "0"}), "object-spacing");
+  expect_rejected(with(k_mast, {"--object-spacing", "0"}), "object_spacing");
   expect_rejected(with(k_eye, {"--object-spacing", "2"}), "--object-spacing requires objects");
   expect_rejected(with(k_eye, {"--mode", "size"}), "--mode size requires objects");
   expect_rejected({"--object", "691015,5325010,600,612", "--md", "50", "-o", "seen.tif"},

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Jobs of `alidade visibility`, run from Python."""
-import ast
-import inspect
+import csv
+import json
 import subprocess
-from pathlib import Path
 
 import alidade
 import numpy as np
@@ -11,19 +10,6 @@ import pytest
 from conftest import PROGRAM
 
 OBSERVERS = [(689995.0, 5324988.0, 601.7), (690005.0, 5324995.0)]
-
-
-def test_every_field_of_a_job_is_an_argument_of_its_function():
-    stub = ast.parse(Path(alidade.visibility.__file__).with_suffix(".pyi").read_text())
-    functions = {node.name: node for node in stub.body if isinstance(node, ast.FunctionDef)}
-    jobs = {name for name, member in inspect.getmembers(alidade.visibility, inspect.isfunction) if not name.startswith("_")}
-    assert set(functions) == jobs - {"fill"}
-    for name, function in functions.items():
-        fields = {field[0] for field in getattr(alidade._alidade, f"_{name}_fields")()}
-        own = {"workers", "progress", "note"}
-        assert {argument.arg for argument in function.args.kwonlyargs} - own == fields
-        for field in fields:
-            assert f"\n{field} : " in getattr(alidade.visibility, name).__doc__
 
 
 def test_a_map_is_that_of_the_program(yard, tmp_path):
@@ -59,6 +45,110 @@ def test_wrong_fields_are_errors(yard):
                          (dict(), "missing observers")]:
         with pytest.raises(alidade.Error, match=text.replace("|", r"\|")):
             alidade.visibility.raster(yard, **fields)
+
+
+def test_messages_name_fields(yard, tmp_path):
+    for fields, text in [(dict(), "missing observers; expected observer, observers or observer_grid"),
+                         (dict(observer=OBSERVERS, mode="height", highest=1, target_height=2), "highest does not exceed target_height")]:
+        with pytest.raises(alidade.Error, match=text):
+            alidade.visibility.raster(yard, **fields)
+
+
+def test_clouds_are_selected_by_fields(yard):
+    seen = alidade.visibility.points(files=yard, observer=OBSERVERS[0], crop=(689990, 5324980, 690000, 5324990), ignore_classes=[])
+    some = alidade.visibility.points(yard, observer=OBSERVERS[0], classes=[2], where="x < 690000", partial=True)
+    cloud = alidade.open(yard)
+    x, y = cloud.xyz[:, 0], cloud.xyz[:, 1]
+    assert len(seen.columns["Visible"]) == ((x >= 689990) & (x <= 690000) & (y >= 5324980) & (y <= 5324990)).sum()
+    assert len(some.columns["Visible"]) == ((cloud["classification"] == 2) & (x < 690000)).sum()
+    with pytest.raises(alidade.Error, match="where: "):
+        alidade.visibility.points(yard, observer=OBSERVERS[0], where="x <")
+    with pytest.raises(alidade.Error, match="missing cloud"):
+        alidade.visibility.points(observer=OBSERVERS[0])
+    with pytest.raises(TypeError, match="1 positional argument"):
+        alidade.visibility.points(yard, yard)
+
+
+def test_flags_are_bools_of_numpy_too(yard):
+    far = (700000, 5324988, 610)
+    with pytest.raises(alidade.Error, match="anywhere accepts it"):
+        alidade.visibility.points(yard, observer=far, anywhere=np.False_)
+    assert not alidade.visibility.points(yard, observer=far, anywhere=np.True_, max_distance=1).columns["Visible"].any()
+
+
+def test_points_have_the_columns_of_the_file(yard, tmp_path):
+    answer = alidade.visibility.points(yard, observer=OBSERVERS, output=tmp_path / "seen.las", fraction=4)
+    written = alidade.open(tmp_path / "seen.las")
+    assert set(answer.columns) == {"Visible", "VisibleCount", "VisibleBy", "VisibleFraction"}
+    for name, values in answer.columns.items():
+        assert np.array_equal(values, written[name]) and values.dtype == written[name].dtype
+    assert answer.rows["name"].tolist() == ["observer 1", "observer 2"] and answer.rows["x"].tolist() == [689995, 690005]
+    sight = alidade.visible(alidade.open(yard).index(), [OBSERVERS[0]], height=0)
+    alone = alidade.visibility.points(yard, observer=OBSERVERS[0], ignore_classes="none")
+    assert np.array_equal(alone.columns["Visible"].astype(bool), sight[0]) and "Blocker" in alone.columns
+
+
+def rows_of(file):
+    with open(file, newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+@pytest.mark.parametrize("job, fields", [
+    ("summary", dict(observer=OBSERVERS)),
+    ("place", dict(observer_grid=10, target_classes=2, count=3)),
+    ("horizon", dict(observer=OBSERVERS[0], step=10)),
+    ("sun", dict(observer=OBSERVERS, from_="2026-06-21", step=60, place=(48, 11))),
+])
+def test_rows_are_those_of_the_file(job, fields, yard, tmp_path):
+    answer = getattr(alidade.visibility, job)(yard, output=tmp_path / "rows.csv", **fields)
+    rows = rows_of(tmp_path / "rows.csv")
+    assert rows and list(answer.columns) == list(rows[0])
+    for name, values in answer.columns.items():
+        assert len(values) == len(rows)
+        if values.dtype.kind == "U":
+            assert values.tolist() == [row[name] for row in rows]
+        elif name != "point_id":
+            assert np.allclose(values, [float(row[name] or "nan") for row in rows], equal_nan=True, rtol=1e-4, atol=1e-4)
+
+
+def test_lines_are_rows_of_every_kind(yard, tmp_path):
+    (tmp_path / "ends.csv").write_text("name,x,y,z\nroof,690000,5325021,613.5\nyard,690010,5324985,601.7\nhall,690005,5324995,601.7\n")
+    answer = alidade.visibility.lines(yard, places=tmp_path / "ends.csv", frequency="5.8GHz")
+    columns = answer.columns
+    assert columns["from"].tolist() == ["roof", "roof", "yard"] and columns["visible"].dtype == bool
+    assert columns["line"].dtype == np.int64 and np.isnan(columns["blocker_at"][columns["visible"]]).all()
+    assert np.isfinite(columns["fresnel_radius"]).all()
+
+
+def test_sky_and_sun_are_points_or_maps(yard):
+    sky = alidade.visibility.sky(yard, directions=8)
+    ground = alidade.visibility.sky(yard, directions=8, resolution=4)
+    assert sky.columns["SkyView"].shape == (len(alidade.open(yard)),) and ground.values.ndim == 2
+    day = dict(from_="2026-06-21", step=120, place=(48, 11), beam_only=True)
+    maps = alidade.visibility.sun(yard, resolution=4, **day)
+    assert list(maps) == ["SunHours", "SunBeam"] or "SunHours" in maps
+    hours = maps["SunHours"]
+    assert hours.values.shape == ground.values.shape and hours.values.max() > 1 and hours.nodata == -9999
+    assert alidade.visibility.sun(yard, **day).columns["SunHours"].shape == sky.columns["SkyView"].shape
+
+
+def test_photos_are_points_and_rows_of_photos(yard, tmp_path):
+    camera = {"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"vertical_fov": 60},
+              "pose": {"look_at": {"eye": [689995, 5324983.5, 601.7], "target": [690000, 5325000, 601]}}}
+    (tmp_path / "one.camera.json").write_text(json.dumps(camera))
+    answer = alidade.visibility.photos(yard, camera=tmp_path / "one.camera.json")
+    assert answer.columns["PhotoCount"].sum() == answer.rows["points"].sum() > 0
+    assert list(tmp_path.iterdir()) == [tmp_path / "one.camera.json"]
+
+
+def test_changes_are_of_both_epochs(yard, tmp_path):
+    later = tmp_path / "later.las"
+    subprocess.run([PROGRAM, "generate", "courtyard", "--points", "5e4", "--seed", "2", "-o", later, "-q"], check=True)
+    answer = alidade.change(yard, later, no_sight=True)
+    for epoch, file in ((answer.before, yard), (answer.after, later)):
+        assert len(epoch.columns["Change"]) == len(alidade.open(file)) == epoch.rows["count"].sum()
+        assert epoch.rows["class"].tolist()[:2] == ["same", "moved"]
+        assert np.bincount(epoch.columns["Change"], minlength=8).tolist() == epoch.rows["count"].tolist()
 
 
 def test_notes_before_an_error_are_heard(yard):

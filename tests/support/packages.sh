@@ -16,7 +16,7 @@ build_packages=(
 # From pytest on: the module for Python, and the libraries it works with.
 test_packages=(ccache libembree-dev clang libclang-rt-14-dev clang-format gdal-bin chromium doxygen
                postgresql-15 postgresql-server-dev-15 python3-pytest python3-hypothesis python3-scipy python3-matplotlib
-               python3-pandas python3-rasterio python3-geopandas python3-xarray python3-open3d)
+               python3-pandas python3-rasterio python3-geopandas python3-xarray python3-open3d mypy)
 # Beside libbenchmark-dev: what the benchmarks compare with, and their plots.
 bench_packages=(libbenchmark-dev libembree-dev libnanoflann-dev libboost-dev libpcl-dev python3-matplotlib)
 package_packages=(debhelper dh-python dpkg-dev fakeroot lintian debootstrap postgresql-server-dev-15 patchelf python3-venv)

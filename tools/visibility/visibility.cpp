@@ -27,6 +27,20 @@ ExitCode photos_code(const jobs::PhotosPlan&, const jobs::PhotosResult& result) 
   return std::ranges::any_of(result.seen.photos, sees) ? ExitCode::done : ExitCode::no;
 }
 
+/// photos has no other answer than its files.
+Command photos_command(const Options& options) {
+  const auto command = std::make_shared<JobCommand<jobs::PhotosRequest>>();
+  jobs::add_photos_fields(options, command->request);
+  add_job_options(options, *command);
+  Command job = job_command(options, command, photos_code);
+  job.run = [command, run = std::move(job.run)](const CommandLine& words) {
+    if (command->request.output.empty() && command->request.footprints.empty())
+      throw input_error("missing output", "-o FILE for points, --footprints FILE.gpkg, or both");
+    return run(words);
+  };
+  return job;
+}
+
 /// The rows of a horizon without an output.
 ExitCode show_horizon(const jobs::HorizonPlan& plan, const jobs::HorizonResult& result) {
   if (plan.request().output.empty()) write_to_stdout(visibility::horizon_csv(result.line));
@@ -60,9 +74,8 @@ Command add_visibility(const Options& program) {
                    place_code),
        job_command(named("summary", "Summarize what each observer sees in one row"),
                    jobs::add_summary_fields),
-       job_command(
-           named("photos", "Compute which photos see which points, their footprints, and colours of points"),
-           jobs::add_photos_fields, photos_code)}};
+       photos_command(named(
+           "photos", "Compute which photos see which points, their footprints, and colours of points"))}};
 }
 
 }  // namespace alidade::tools

@@ -130,33 +130,6 @@ void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresn
   add_point(row, table, "fresnel_nearest", fresnel.nearest);
 }
 
-/// A line as a row of named values, in the order of the columns; null if a value does not apply. All rows of
-/// a table have the same names; tools/manuals/visibility_lines.txt describes them. Classes are those of the
-/// points.
-Row line_row(const LineTable& table, std::size_t line) {
-  const LinePair& pair = table.pairs[line];
-  const LineReport& report = table.reports[line];
-  Row row;
-  row["line"] = line;
-  row["from"] = pair.from_name;
-  row["to"] = pair.to_name;
-  add_position(row, "from", pair.from.position);
-  add_position(row, "to", pair.to.position);
-  row["length"] = report.length;
-  row["visible"] = !report.blocker;
-  if (!table.unscanned.empty()) row["unscanned"] = table.unscanned[line];
-  const std::optional<Blocker>& blocker = report.blocker;
-  row["blocker"] = blocker ? id_of(blocker->point_id) : Row();
-  row["blocker_class"] = blocker ? class_of(table, blocker->point_id) : Row();
-  row["blocker_at"] = blocker ? Row(blocker->distance) : Row();
-  for (int axis = 0; axis < 3; ++axis)
-    row[std::string("blocker_") + "xyz"[axis]] = blocker ? Row(blocker->position[axis]) : Row();
-  row["clearance"] = report.nearest ? Row(report.nearest->distance) : Row();
-  add_point(row, table, "clearance", report.nearest);
-  if (report.fresnel) add_fresnel(row, table, *report.fresnel);
-  return row;
-}
-
 /// What obstructs the Fresnel zone of a line: `points` by their share of it, and `classes`; empty if it has
 /// no zone.
 Row line_obstructions(const LineTable& table, std::size_t line) {
@@ -228,6 +201,30 @@ bool write_geojson(const LineTable& table, const RowFileHead& head, const ToLonL
 }
 
 }  // namespace
+
+Row line_row(const LineTable& table, std::size_t line) {
+  const LinePair& pair = table.pairs[line];
+  const LineReport& report = table.reports[line];
+  Row row;
+  row["line"] = line;
+  row["from"] = pair.from_name;
+  row["to"] = pair.to_name;
+  add_position(row, "from", pair.from.position);
+  add_position(row, "to", pair.to.position);
+  row["length"] = report.length;
+  row["visible"] = !report.blocker;
+  if (!table.unscanned.empty()) row["unscanned"] = table.unscanned[line];
+  const std::optional<Blocker>& blocker = report.blocker;
+  row["blocker"] = blocker ? id_of(blocker->point_id) : Row();
+  row["blocker_class"] = blocker ? class_of(table, blocker->point_id) : Row();
+  row["blocker_at"] = blocker ? Row(blocker->distance) : Row();
+  for (int axis = 0; axis < 3; ++axis)
+    row[std::string("blocker_") + "xyz"[axis]] = blocker ? Row(blocker->position[axis]) : Row();
+  row["clearance"] = report.nearest ? Row(report.nearest->distance) : Row();
+  add_point(row, table, "clearance", report.nearest);
+  if (report.fresnel) add_fresnel(row, table, *report.fresnel);
+  return row;
+}
 
 std::vector<GivenPair> read_pair_table(const std::filesystem::path& path) {
   InputFile file(path);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -33,6 +34,11 @@ struct LineTable {
   std::span<const std::uint8_t> classifications;  ///< by point id; empty if the cloud has none
   std::vector<double> unscanned{};                ///< unscanned_length() of every pair; empty: no such column
 };
+
+/// A line as a row of named values, in the order of the columns; null if a value does not apply. All rows of
+/// a table have the same names; tools/manuals/visibility_lines.txt describes them. Classes are those of the
+/// points.
+Row line_row(const LineTable& table, std::size_t line);
 
 /// Writes the reports; the file is written completely or not at all.
 /// - CSV: a header and a row per line, with the columns of `alidade visibility lines --help`.

@@ -171,25 +171,6 @@ std::vector<double> all_gains(const Coverage& coverage, const Covered& covered) 
   return gains;
 }
 
-std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> candidates) {
-  std::vector<Row> rows;
-  for (const ChosenPosition& chosen : placement.positions) {
-    const Observer& observer = candidates[chosen.candidate];
-    Row row;
-    row["place"] = rows.size() + 1;
-    row["candidate"] = chosen.candidate;
-    row["name"] = observer.name;
-    row["x"] = observer.position.x;
-    row["y"] = observer.position.y;
-    row["z"] = observer.position.z;
-    row["gain"] = chosen.gain;
-    row["covered"] = chosen.covered;
-    row["share"] = chosen.covered / placement.total;
-    rows.push_back(row);
-  }
-  return rows;
-}
-
 }  // namespace
 
 void check_coverage(std::size_t candidates, std::size_t targets) {
@@ -325,10 +306,29 @@ Placement choose_places(const Coverage& coverage, std::size_t count, std::span<c
   return placement;
 }
 
+std::vector<Row> placement_rows(const Placement& placement, std::span<const Observer> candidates) {
+  std::vector<Row> rows;
+  for (const ChosenPosition& chosen : placement.positions) {
+    const Observer& observer = candidates[chosen.candidate];
+    Row row;
+    row["place"] = rows.size() + 1;
+    row["candidate"] = chosen.candidate;
+    row["name"] = observer.name;
+    row["x"] = observer.position.x;
+    row["y"] = observer.position.y;
+    row["z"] = observer.position.z;
+    row["gain"] = chosen.gain;
+    row["covered"] = chosen.covered;
+    row["share"] = chosen.covered / placement.total;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 bool write_placement(const Placement& placement, std::span<const Observer> candidates, RowForm form,
                      const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,
                      bool overwrite) {
-  PositionTable table{.list = "places", .rows = rows_of(placement, candidates), .positions = {}};
+  PositionTable table{.list = "places", .rows = placement_rows(placement, candidates), .positions = {}};
   for (const ChosenPosition& chosen : placement.positions)
     table.positions.push_back(candidates[chosen.candidate].position);
   const Row totals{{"total", placement.total}, {"best_possible", placement.best_possible}};

@@ -103,9 +103,12 @@ struct Placement {
 /// count 0; weights not as many as targets, negative or not finite.
 Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights = {});
 
-/// Writes the chosen positions in their order, and with them the curve of what they cover: `place` from 1,
+/// The chosen positions in their order, and with them the curve of what they cover: `place` from 1,
 /// `candidate` (its number, from 0), `name`, `x`, `y`, `z` of the eye, `gain` and `covered` (weights of
-/// targets, 1 each by default), `share` (of all). CSV; JSON with the list `places`; or GeoJSON with points,
+/// targets, 1 each by default), `share` (of all).
+std::vector<Row> placement_rows(const Placement& placement, std::span<const Observer> candidates);
+
+/// Writes placement_rows(). CSV; JSON with the list `places`; or GeoJSON with points,
 /// which other commands read as observers. Coordinates, returned value and Errors as write_positions().
 bool write_placement(const Placement& placement, std::span<const Observer> candidates, RowForm form,
                      const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,

@@ -277,33 +277,6 @@ void add_bands(const ObserverSummary& summary, std::span<const double> limits, R
   }
 }
 
-Row row_of(const ObserverSummary& summary, const Observer& observer, std::span<const double> limits,
-           const std::bitset<256>& classes) {
-  Row row = {{"name", observer.name},
-             {"x", observer.position.x},
-             {"y", observer.position.y},
-             {"z", observer.position.z},
-             {"points", summary.visible_points},
-             {"area", summary.area.visible},
-             {"share", share_of(summary.area.visible, summary.area.all)}};
-  add_bands(summary, limits, row);
-  add_spread("distance", summary.distances, row);
-  add_isovist(summary.isovist, row);
-  row["volume"] = summary.volume;
-  add_spread("horizon", summary.horizon, row);
-  row["sky_view"] = summary.sky.cosine_weighted;
-  row["sky_share"] = summary.sky.solid_angle;
-  if (summary.class_areas.empty()) return row;
-  row["ground_area"] = summary.ground_area();
-  row["relief"] = or_null(summary.relief);
-  row["diversity"] = or_null(summary.diversity);
-  for (std::size_t number = 0; number < classes.size(); ++number) {
-    if (classes.test(number))
-      row[fmt::format("class_{}", number)] = share_of(summary.class_areas[number], summary.area.visible);
-  }
-  return row;
-}
-
 }  // namespace
 
 double ObserverSummary::ground_area() const {
@@ -332,6 +305,33 @@ std::vector<ObserverSummary> summarize(const Occluders& occluders, std::span<con
   return summaries;
 }
 
+Row summary_row(const ObserverSummary& summary, const Observer& observer, std::span<const double> limits,
+                const std::bitset<256>& classes) {
+  Row row = {{"name", observer.name},
+             {"x", observer.position.x},
+             {"y", observer.position.y},
+             {"z", observer.position.z},
+             {"points", summary.visible_points},
+             {"area", summary.area.visible},
+             {"share", share_of(summary.area.visible, summary.area.all)}};
+  add_bands(summary, limits, row);
+  add_spread("distance", summary.distances, row);
+  add_isovist(summary.isovist, row);
+  row["volume"] = summary.volume;
+  add_spread("horizon", summary.horizon, row);
+  row["sky_view"] = summary.sky.cosine_weighted;
+  row["sky_share"] = summary.sky.solid_angle;
+  if (summary.class_areas.empty()) return row;
+  row["ground_area"] = summary.ground_area();
+  row["relief"] = or_null(summary.relief);
+  row["diversity"] = or_null(summary.diversity);
+  for (std::size_t number = 0; number < classes.size(); ++number) {
+    if (classes.test(number))
+      row[fmt::format("class_{}", number)] = share_of(summary.class_areas[number], summary.area.visible);
+  }
+  return row;
+}
+
 bool write_summaries(std::span<const ObserverSummary> summaries, std::span<const Observer> observers,
                      const SummaryOptions& options, RowForm form, const RowFileHead& head,
                      const ToLonLat& to_lon_lat, const std::filesystem::path& file, bool overwrite) {
@@ -339,7 +339,7 @@ bool write_summaries(std::span<const ObserverSummary> summaries, std::span<const
   for (const std::uint8_t number : options.classes) classes.set(number);
   PositionTable table{.list = "observers", .rows = {}, .positions = {}};
   for (std::size_t i = 0; i < summaries.size(); ++i) {
-    table.rows.push_back(row_of(summaries[i], observers[i], options.bands, classes));
+    table.rows.push_back(summary_row(summaries[i], observers[i], options.bands, classes));
     table.positions.push_back(observers[i].position);
   }
   return write_positions(table, Row::object(), form, head, to_lon_lat, file, overwrite);

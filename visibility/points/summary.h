@@ -83,8 +83,13 @@ struct ObserverSummary {
 std::vector<ObserverSummary> summarize(const Occluders& occluders, std::span<const Observer> observers,
                                        const SummaryOptions& options);
 
-/// Writes a row for each observer: `name`, `x`, `y`, `z` of the eye, and the numbers of
-/// tools/manuals/visibility_summary.txt. Cells without a value are empty. CSV, JSON with the list
+/// A summary as a row of named values: `name`, `x`, `y`, `z` of the eye, and the numbers of
+/// tools/manuals/visibility_summary.txt; null where there is no value. `bands`: as SummaryOptions; `classes`:
+/// those of the cloud.
+Row summary_row(const ObserverSummary& summary, const Observer& observer, std::span<const double> bands,
+                const std::bitset<256>& classes);
+
+/// Writes a row for each observer; cells without a value are empty. CSV, JSON with the list
 /// `observers`, or GeoJSON with points. Coordinates, returned value and Errors as write_positions(). Requires
 /// as many observers as summaries.
 bool write_summaries(std::span<const ObserverSummary> summaries, std::span<const Observer> observers,

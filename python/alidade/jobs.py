@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: MIT
+"""The other commands of the program on files, as alidade.visibility has those of `alidade visibility`: their fields are the
+options, with _ for -."""
+from ._jobs import job as _job
+
+info = _job("info", "Describe cloud files: what --json prints, as a dict.")
+generate = _job("generate", "Simulate a scan of a courtyard: an alidade.Cloud, or None with an output.")
+index = _job("index", "Build an index file, which replaces cloud files: a dict with its size.")
+catalog = _job("catalog", "List many clouds with their bounds, so that few need be opened: a dict with the number of files.")
+convert = _job("convert", "Convert, join, crop and thin clouds: a dict with the number of points.")
+change = _job("change", "Find what has moved, gone or come between two scans, or was never seen: an alidade.Change.")
+compare = _job("compare", "Compare images of files, folders or a table of pairs: what --json prints, as a dict.")
+sql = _job("sql", "Query a cloud with SQL: alidade.Rows of the statement, or a list of them.")
+sql_load = _job("sql load", "Store a cloud in a database: a dict with the number of points.")
+sql_rewrite = _job("sql rewrite", "Rewrite statements for engines without dist_ray: a list of dicts.")
+sql_shard_plan = _job("sql shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers: a dict with the number of points.")

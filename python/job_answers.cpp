@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: MIT
+#include "python/job_answers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "compare/report/comparison_json.h"
+#include "python/python_cloud.h"
+
+namespace alidade::python {
+namespace {
+
+constexpr double k_no_number = std::numeric_limits<double>::quiet_NaN();
+
+/// The number i of `count` as an array: value(i).
+template <class Value>
+py::array array_of(std::size_t count, const Value& value) {
+  py::array_t<std::decay_t<decltype(value(0))>> array(static_cast<py::ssize_t>(count));
+  auto* const to = array.mutable_data();
+  for (std::size_t i = 0; i < count; ++i) to[i] = value(i);
+  return array;
+}
+
+/// Texts as an array of str.
+py::object texts_of(std::size_t count, const std::function<const std::string&(std::size_t)>& text) {
+  py::list texts;
+  for (std::size_t i = 0; i < count; ++i) texts.append(text_of(text(i)));
+  return py::module_::import("numpy").attr("array")(texts, py::arg("dtype") = "U");
+}
+
+/// A value of a row; none: no value.
+using Cell = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
+
+/// The values of a column in an array of one kind: texts; bool; whole numbers; or else numbers, NaN for no
+/// value.
+py::object column_of(std::size_t count, const std::function<Cell(std::size_t)>& cell) {
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < count; ++i) cells.push_back(cell(i));
+  const auto all = [&]<class Value>(Value) {
+    return std::ranges::all_of(
+        cells, &std::holds_alternative<Value, std::monostate, bool, std::int64_t, double, std::string>);
+  };
+  const auto value = [&]<class Value>(Value) {
+    return [&](std::size_t i) { return std::get<Value>(cells[i]); };
+  };
+  if (all(bool{})) return array_of(count, value(bool{}));
+  if (all(std::int64_t{})) return array_of(count, value(std::int64_t{}));
+  if (std::ranges::any_of(cells, [](const Cell& one) { return std::holds_alternative<std::string>(one); }))
+    return texts_of(count, [&](std::size_t i) -> const std::string& {
+      static const std::string none;
+      const auto* const text = std::get_if<std::string>(&cells[i]);
+      return text ? *text : none;
+    });
+  return array_of(count, [&](std::size_t i) {
+    const auto* const whole = std::get_if<std::int64_t>(&cells[i]);
+    const auto* const number = std::get_if<double>(&cells[i]);
+    return whole ? static_cast<double>(*whole) : number ? *number : k_no_number;
+  });
+}
+
+Cell cell_of(const jobs::SqlValue& value) {
+  return std::visit(
+      []<class Value>(const Value& one) -> Cell {
+        if constexpr (std::is_same_v<Value, std::vector<std::byte>>)
+          return std::string(reinterpret_cast<const char*>(one.data()), one.size());
+        else
+          return one;
+      },
+      value);
+}
+
+Cell cell_of(const visibility::Row& value) {
+  if (value.is_boolean()) return value.get<bool>();
+  if (value.is_number_integer()) return value.get<std::int64_t>();
+  if (value.is_number()) return value.get<double>();
+  if (value.is_string()) return value.get<std::string>();
+  return {};
+}
+
+/// The columns of rows with the same names.
+py::dict table_of_rows(std::span<const visibility::Row> rows) {
+  py::dict columns;
+  if (rows.empty()) return columns;
+  for (const auto& member : rows.front().items())
+    columns[text_of(member.key())] =
+        column_of(rows.size(), [&](std::size_t i) { return cell_of(rows[i][member.key()]); });
+  return columns;
+}
+
+py::object rows_of(std::span<const visibility::Row> rows, const Crs& crs, const py::dict& facts = {}) {
+  return answer_type("Rows")(table_of_rows(rows), object_of(crs), facts);
+}
+
+py::dict observers_of(std::span<const visibility::Observer> observers) {
+  py::dict columns;
+  columns["name"] =
+      texts_of(observers.size(), [&](std::size_t i) -> const std::string& { return observers[i].name; });
+  for (const int axis : {0, 1, 2})
+    columns[py::str(std::string(1, "xyz"[axis]))] =
+        array_of(observers.size(), [&](std::size_t i) { return observers[i].position[axis]; });
+  return columns;
+}
+
+/// What --json of a command prints.
+py::object object_of_json(const std::string& text) {
+  return py::module_::import("json").attr("loads")(text_of(text));
+}
+
+/// The columns that a job adds to so many points.
+py::dict columns_of_points(const std::vector<jobs::ResultColumn>& columns, std::size_t count) {
+  py::dict arrays;
+  for (const jobs::ResultColumn& column : columns) {
+    const char* const type = k_types[static_cast<std::size_t>(column.description.type)];
+    py::array array{py::dtype(type), Shape{static_cast<py::ssize_t>(count)}};
+    column.fill(0, count, static_cast<std::uint8_t*>(array.mutable_data()));
+    arrays[text_of(column.description.name)] = array;
+  }
+  return arrays;
+}
+
+py::object points_of(const py::dict& columns, const py::dict& rows, const Crs& crs) {
+  return answer_type("Points")(columns, rows, object_of(crs));
+}
+
+py::dict texts_of(const jobs::MapMetadata& metadata) {
+  py::dict texts;
+  for (const auto& [key, text] : metadata) texts[py::str(key)] = text_of(text);
+  return texts;
+}
+
+/// A map of the values by cell.
+template <class Value>
+py::object map_of(const geo::RasterGrid& grid, std::span<const Value> values, const Crs& crs, double no_data,
+                  const jobs::MapMetadata& metadata) {
+  py::array_t<Value> array({py::ssize_t{grid.rows}, py::ssize_t{grid.columns}});
+  std::ranges::copy(values, array.mutable_data());
+  // In the order of affine.Affine, which rasterio uses.
+  const py::tuple transform =
+      py::make_tuple(grid.cell_size, 0.0, grid.north_west.x, 0.0, -grid.cell_size, grid.north_west.y);
+  return answer_type("Map")(array, transform, object_of(crs), no_data, texts_of(metadata));
+}
+
+}  // namespace
+
+py::object answer_of(const jobs::RasterPlan&, const jobs::RasterResult& result) {
+  return std::visit(
+      [&]<class Value>(const std::vector<Value>& values) {
+        return map_of<Value>(result.grid, values, result.crs, result.band.no_data, result.metadata);
+      },
+      result.band.values);
+}
+
+py::object answer_of(const jobs::PointsPlan&, const jobs::PointsResult& result) {
+  return points_of(columns_of_points(jobs::columns_of(result.seen), result.seen.counts.size()),
+                   observers_of(result.observers), result.crs);
+}
+
+py::object answer_of(const jobs::HorizonPlan&, const jobs::HorizonResult& result) {
+  py::dict columns;
+  const auto add = [&](const char* name, const auto& value) {
+    columns[name] = array_of(result.line.size(), [&](std::size_t i) { return value(result.line[i]); });
+  };
+  const auto add_of_blocker = [&](const char* name, const auto& value) {
+    add(name, [&](const visibility::HorizonDirection& one) {
+      return one.blocker ? value(*one.blocker) : k_no_number;
+    });
+  };
+  add("azimuth", [](const visibility::HorizonDirection& one) { return one.azimuth; });
+  add("elevation",
+      [](const visibility::HorizonDirection& one) { return one.elevation.value_or(k_no_number); });
+  add_of_blocker("distance", [](const visibility::Blocker& one) { return one.distance; });
+  add("point_id", [](const visibility::HorizonDirection& one) -> std::int64_t {
+    if (!one.blocker) return -1;
+    return one.blocker->is_mesh() ? -2 : static_cast<std::int64_t>(one.blocker->point_id);
+  });
+  add_of_blocker("x", [](const visibility::Blocker& one) { return one.position.x; });
+  add_of_blocker("y", [](const visibility::Blocker& one) { return one.position.y; });
+  add_of_blocker("z", [](const visibility::Blocker& one) { return one.position.z; });
+  add("unscanned",
+      [](const visibility::HorizonDirection& one) { return one.unscanned.value_or(k_no_number); });
+  py::dict facts;
+  const glm::dvec3& eye = result.facts.eye;
+  facts["observer"] = text_of(result.observer.name);
+  facts["eye"] = py::make_tuple(eye.x, eye.y, eye.z);
+  facts["sky_view"] = result.facts.sky.cosine_weighted;
+  facts["sky_share"] = result.facts.sky.solid_angle;
+  if (result.facts.above_line) {
+    facts["sky_view_above"] = result.facts.above_line->cosine_weighted;
+    facts["sky_share_above"] = result.facts.above_line->solid_angle;
+  }
+  return answer_type("Rows")(columns, object_of(result.crs), facts);
+}
+
+py::object answer_of(const jobs::SkyPlan&, const jobs::SkyResult& result) {
+  if (const auto* const map = std::get_if<geo::Raster<float>>(&result.views))
+    return map_of<float>(map->grid, map->values, result.crs, jobs::k_no_float, result.metadata);
+  const auto& views = std::get<std::vector<float>>(result.views);
+  return points_of(columns_of_points(jobs::columns_of(views), views.size()), {}, result.crs);
+}
+
+py::object answer_of(const jobs::SunPlan& plan, const jobs::SunResult& result) {
+  const jobs::SunRequest& request = plan.request();
+  if (request.has_observers())
+    return rows_of(table_of(request, result).rows, result.crs, texts_of(result.metadata));
+  if (result.maps.empty())
+    return points_of(
+        columns_of_points(jobs::columns_of(request, result), result.radiation.size() / result.periods.size()),
+        {}, result.crs);
+  py::dict maps;
+  for (jobs::SunBand& band : bands_of(request, result)) {
+    for (float& value : band.values.values)
+      if (std::isnan(value)) value = static_cast<float>(jobs::k_no_float);
+    maps[text_of(band.name)] =
+        map_of<float>(band.values.grid, band.values.values, result.crs, jobs::k_no_float, result.metadata);
+  }
+  return maps;
+}
+
+py::object answer_of(const jobs::LinesPlan&, const jobs::LinesResult& result) {
+  std::vector<visibility::Row> rows;
+  for (std::size_t line = 0; line < result.table.pairs.size(); ++line)
+    rows.push_back(visibility::line_row(result.table, line));
+  return rows_of(rows, result.cloud->cloud.cloud.crs);
+}
+
+py::object answer_of(const jobs::PlacePlan&, const jobs::PlaceResult& result) {
+  py::dict facts;
+  facts["total"] = result.placement.total;
+  facts["best_possible"] = result.placement.best_possible;
+  facts["candidates"] = result.candidates.size();
+  facts["targets"] = result.targets.size();
+  return rows_of(visibility::placement_rows(result.placement, result.candidates), result.crs, facts);
+}
+
+py::object answer_of(const jobs::SummaryPlan& plan, const jobs::SummaryResult& result) {
+  std::vector<visibility::Row> rows;
+  for (std::size_t i = 0; i < result.summaries.size(); ++i)
+    rows.push_back(visibility::summary_row(result.summaries[i], result.observers[i],
+                                           plan.request().summary.bands, result.classes));
+  return rows_of(rows, result.crs);
+}
+
+py::object answer_of(const jobs::PhotosPlan&, const jobs::PhotosResult& result) {
+  const visibility::PhotoVisibility& seen = result.seen;
+  py::dict columns = columns_of_points(jobs::columns_of(seen), seen.counts.size());
+  if (!seen.colors.empty()) {
+    py::array_t<std::uint16_t> colors({static_cast<py::ssize_t>(seen.colors.size()), py::ssize_t{3}});
+    static_assert(sizeof(Color16) == 3 * sizeof(std::uint16_t));
+    std::memcpy(colors.mutable_data(), seen.colors.data(), seen.colors.size() * sizeof(Color16));
+    columns["color"] = colors;
+  }
+  py::dict rows;
+  const auto add = [&](const char* name, const auto member) {
+    rows[name] = array_of(seen.photos.size(), [&](std::size_t i) { return seen.photos[i].*member; });
+  };
+  rows["name"] = texts_of(result.cameras.size(),
+                          [&](std::size_t i) -> const std::string& { return result.cameras[i].name; });
+  add("points", &visibility::PhotoSummary::points);
+  add("median_sampling", &visibility::PhotoSummary::median_sampling);
+  add("median_distance", &visibility::PhotoSummary::median_distance);
+  add("largest_overlap", &visibility::PhotoSummary::largest_overlap);
+  return points_of(columns, rows, result.crs);
+}
+
+py::object answer_of(const jobs::ChangePlan&, const jobs::ChangeResult& result) {
+  const auto epoch = [](const jobs::EpochResult& found, std::uint8_t number) {
+    py::dict rows;
+    std::vector<std::string> names;
+    for (int kind = 0; kind < visibility::k_change_classes; ++kind)
+      names.emplace_back(name_of(static_cast<visibility::ChangeClass>(kind)));
+    const auto add = [&](const char* name, const auto& value) {
+      rows[name] = array_of(found.classes.size(), [&](std::size_t i) { return value(found.classes[i]); });
+    };
+    const auto add_median = [&](const char* name, std::optional<double> visibility::ChangeSummary::*member) {
+      add(name,
+          [member](const visibility::ChangeSummary& one) { return (one.*member).value_or(k_no_number); });
+    };
+    rows["class"] = texts_of(names.size(), [&](std::size_t i) -> const std::string& { return names[i]; });
+    add("count", [](const visibility::ChangeSummary& one) { return one.count; });
+    add("area", [](const visibility::ChangeSummary& one) { return one.area; });
+    add("measured", [](const visibility::ChangeSummary& one) { return one.measured; });
+    add_median("median_distance", &visibility::ChangeSummary::median_distance);
+    add_median("median_absolute_distance", &visibility::ChangeSummary::median_absolute_distance);
+    add_median("median_detection_level", &visibility::ChangeSummary::median_detection_level);
+    return points_of(columns_of_points(jobs::columns_of(found.points, number), found.points.classes.size()),
+                     rows, found.crs);
+  };
+  return answer_type("Change")(epoch(result.before, 1), epoch(result.after, 2));
+}
+
+py::object answer_of(const jobs::InfoPlan&, const jobs::InfoResult& result) {
+  return object_of_json(info_json(result).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+}
+
+py::object answer_of(const jobs::ConvertPlan&, const jobs::ConvertResult& result) {
+  return py::dict(py::arg("points") = result.point_count, py::arg("input_points") = result.input_count);
+}
+
+py::object answer_of(const jobs::IndexPlan&, const jobs::IndexResult& result) {
+  return py::dict(py::arg("points") = result.point_count, py::arg("bytes") = result.bytes,
+                  py::arg("octree_bytes") = result.octree_bytes);
+}
+
+py::object answer_of(const jobs::CatalogPlan&, const jobs::CatalogResult& result) {
+  return py::dict(py::arg("files") = result.files.size());
+}
+
+py::object answer_of(const jobs::GeneratePlan& plan, PointCloud& result) {
+  if (!plan.request().output.empty()) return py::none();
+  auto data = std::make_shared<CloudData>();
+  data->name = "the courtyard";
+  data->points.cloud = std::move(result);
+  return py::cast(Cloud(std::move(data)));
+}
+
+py::object answer_of(const jobs::ComparePlan& plan, const jobs::CompareResult& result) {
+  const compare::PairOutcome& pair = result.front();
+  const std::string text = plan.request().is_batch
+                               ? compare::batch_json(result)
+                               : compare::comparison_json(*pair.comparison, pair.verdict, pair.warnings);
+  return object_of_json(text);
+}
+
+py::object answer_of(const jobs::LoadPlan&, const database::StoredFiles& result) {
+  return py::dict(py::arg("points") = result.point_count);
+}
+
+py::object answer_of(const jobs::ShardPlanPlan&, const database::StoredFiles& result) {
+  return py::dict(py::arg("points") = result.point_count);
+}
+
+py::object answer_of(const jobs::RewritePlan&, const std::vector<database::RewrittenStatement>& result) {
+  py::list statements;
+  for (const database::RewrittenStatement& one : result)
+    statements.append(py::dict(py::arg("text") = text_of(one.text), py::arg("reason") = text_of(one.reason),
+                               py::arg("boxes") = one.box_count, py::arg("share") = one.share));
+  return statements;
+}
+
+py::object answer_of(const jobs::SqlPlan&, const jobs::SqlResult& result) {
+  py::list statements;
+  for (const jobs::StatementResult& one : result) {
+    py::dict columns;
+    for (std::size_t i = 0; i < one.columns.size(); ++i)
+      columns[text_of(one.columns[i])] =
+          column_of(one.values[i].size(), [&](std::size_t row) { return cell_of(one.values[i][row]); });
+    statements.append(answer_type("Rows")(columns, py::none(), py::dict()));
+  }
+  return statements.size() == 1 ? py::object(statements[0]) : statements;
+}
+
+}  // namespace alidade::python
