@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Jobs on files of clouds: generate, info, index, convert and catalog.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -16,12 +13,10 @@
 #include "cloud/las/write_las.h"
 #include "jobs/clouds/catalog.h"
 #include "jobs/clouds/convert.h"
-#include "jobs/clouds/generate.h"
 #include "jobs/clouds/index.h"
 #include "jobs/clouds/info.h"
-#include "jobs/load_cloud.h"
 #include "simulation/scan.h"
-#include "tests/jobs/heard.h"
+#include "tests/jobs/cloud_folder.h"
 #include "tests/support/garden.h"
 
 namespace alidade::test {
@@ -29,47 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-class CloudJobsTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder = std::filesystem::temp_directory_path() / ("alidade_clouds_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-
-  CloudInputs files(const std::vector<std::string>& names) const {
-    std::vector<std::filesystem::path> paths;
-    for (const std::string& name : names) paths.push_back(folder / name);
-    return resolve_clouds(paths, jobs::cloud_formats());
-  }
-
-  /// A request on these files.
-  template <class Request>
-  Request request(const std::vector<std::string>& names, const std::string& output = {}) const {
-    Request made;
-    made.files = files(names);
-    if constexpr (requires { made.output; })
-      if (!output.empty()) made.output = folder / output;
-    return made;
-  }
-
-  void scan(const std::string& name, std::uint64_t points) {
-    jobs::GenerateRequest wanted;
-    wanted.point_count = points;
-    wanted.output = folder / name;
-    run(plan(wanted), heard);
-  }
-
-  void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name) << text; }
-
-  std::string read(const std::string& name) const {
-    std::ifstream file(folder / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-
-  std::filesystem::path folder;
-  Heard heard;
-};
+class CloudJobsTest : public CloudFolderTest {};
 
 TEST_F(CloudJobsTest, a_scan_is_a_file_or_a_cloud) {
   scan("site.las", 3000);

@@ -1,7 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <fmt/format.h>
-
-#include <cmath>
 #include <utility>
 
 #include "cloud/las/write_las.h"
@@ -306,68 +303,6 @@ TEST_F(ConvertTest, on_a_full_disk_nothing_is_left) {
     EXPECT_TRUE(contains(result.err, output)) << result.err;
     EXPECT_EQ(names(), std::vector<std::string>{"survey.las"});
   }
-}
-
-TEST_F(ConvertTest, the_bytes_do_not_depend_on_memory) {
-  ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "survey.las", "-q"}).exit_code, 0);
-  write("plain.xyz", "690002 5325000.25 601\n690003 5325000.5 602\n");
-  const Words joined = {"survey.las", "plain.xyz"}, every = {"survey.las", "--every", "7"},
-              cropped = {"survey.las", "--crop", "690000,5325000,690010,5325010"};
-  const std::pair<const char*, Words> cases[] = {
-      {"las", joined},     {"las", cropped},     {"las", every},       {"laz", joined},
-      {"laz", cropped},    {"copc.laz", joined}, {"copc.laz", every},  {"ply", joined},
-      {"ply", cropped},    {"csv", joined},      {"csv", every},       {"xyz", cropped},
-      {"parquet", joined}, {"alidade", joined},  {"alidade", cropped},
-  };
-  for (const auto& [format, inputs] : cases) {
-    const Words words = with(with({"convert"}, inputs), {"--overwrite", "-o"});
-    const ProgramResult whole = run(with(words, {std::string("whole.") + format}));
-    const ProgramResult parts = run(with(words, {std::string("parts.") + format, "--memory", "1M"}));
-    EXPECT_EQ(whole.exit_code, 0) << whole.err;
-    EXPECT_EQ(parts.exit_code, 0) << parts.err;
-    EXPECT_TRUE(read(std::string("whole.") + format) == read(std::string("parts.") + format)) << format;
-    const auto points = [](const ProgramResult& result) {
-      return result.err.substr(result.err.rfind("wrote "),
-                               result.err.rfind(" to ") - result.err.rfind("wrote "));
-    };
-    EXPECT_EQ(points(whole), points(parts));
-    // Parquet is sorted in any case.
-    const bool is_in_files = std::string_view(format) != "parquet";
-    const std::string note = "the points exceed --memory and lie in temporary files in .";
-    EXPECT_EQ(contains(parts.err, note), is_in_files) << format << ": " << parts.err;
-    EXPECT_FALSE(contains(whole.err, note));
-  }
-}
-
-TEST_F(ConvertTest, the_bytes_of_chosen_points_and_their_normals_do_not_depend_on_memory) {
-  ASSERT_EQ(run({"generate", "courtyard", "--points", "135000", "-o", "survey.las", "-q"}).exit_code, 0);
-  write(
-      "station.pcd",
-      "VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n"
-      "VIEWPOINT 690000 5325000 590 1 0 0 0\nPOINTS 2\nDATA ascii\n690000 5325000 611\n690001 5325000 611\n");
-  const Words thin = {"--spacing", "0.5"}, every = {"--every", "7"},
-              normals = {"--spacing", "1.5", "--normals"};
-  const std::pair<const char*, Words> cases[] = {
-      {"las", thin},
-      {"parquet", thin},
-      {"alidade", every},
-      {"alidade", normals},
-  };
-  for (const auto& [format, options] : cases) {
-    const Words words = with(with({"convert", "survey.las", "station.pcd"}, options), {"--overwrite", "-o"});
-    const ProgramResult whole = run(with(words, {std::string("whole.") + format}));
-    const ProgramResult parts = run(with(words, {std::string("parts.") + format, "--memory", "1M"}));
-    EXPECT_EQ(whole.exit_code, 0) << whole.err;
-    EXPECT_EQ(parts.exit_code, 0) << parts.err;
-    EXPECT_TRUE(read(std::string("whole.") + format) == read(std::string("parts.") + format)) << format;
-    EXPECT_FALSE(contains(whole.err, "lie in temporary files"));
-    EXPECT_TRUE(contains(parts.err, "lie in temporary files")) << format;
-  }
-  const PointCloud cloud =
-      read_cloud(resolve_clouds(std::vector{folder / "parts.alidade"}, index_and_file_formats()));
-  const auto downwards = static_cast<std::size_t>(
-      std::ranges::count_if(cloud.normals, [](const glm::vec3& normal) { return normal.z < -0.5f; }));
-  EXPECT_GT(downwards, cloud.size() / 4) << "towards the scanner";
 }
 
 TEST_F(ConvertTest, the_bytes_do_not_depend_on_the_number_of_threads) {
