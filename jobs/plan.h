@@ -1,20 +1,43 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
+#include <string>
 #include <utility>
+#include <vector>
+
+#include "cloud/cloud_inputs.h"
 
 namespace alidade::jobs {
+
+/// What a job will read, write and need, as far as that is known before a point is read.
+struct PlannedWork {
+  CloudInputs clouds{};
+  std::vector<std::filesystem::path> reads{};   ///< other files; empty names count as none
+  std::vector<std::filesystem::path> writes{};  ///< empty names count as none
+  /// Memory at the peak, for each point of the clouds, as measured; 0: it does not depend on them.
+  double bytes_per_point = 0.0;
+};
+
+/// check_outputs() (jobs/outputs.h) for files of this work.
+void check_outputs(const PlannedWork& work, bool overwrite);
+
+/// The work in lines for people, such as "reads   site.las   1000000 points, 38 MB". Opens the clouds to
+/// count their points. Errors: those of open_stored_cloud().
+std::string text_of(const PlannedWork& work);
 
 /// A checked request. Only the plan() of the request makes one: what is made otherwise was not checked.
 template <class Request>
 class Plan {
  public:
-  explicit Plan(Request request) : request_(std::move(request)) {}
+  Plan(Request request, PlannedWork work = {}) : request_(std::move(request)), work_(std::move(work)) {}
 
   const Request& request() const { return request_; }
+  const PlannedWork& work() const { return work_; }
 
  private:
   Request request_;
+  PlannedWork work_;
 };
 
 }  // namespace alidade::jobs

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "jobs/plan.h"
 #include "tools/console.h"
 #include "tools/options.h"
 
@@ -67,6 +68,7 @@ struct JobCommand {
   Request request;
   std::optional<int> threads;
   Verbosity verbosity = Verbosity::normal;
+  bool is_dry_run = false;
 };
 
 /// Declares --threads, -q and -v.
@@ -76,17 +78,23 @@ void add_job_options(const Options& options, JobCommand<Request>& command) {
   add_verbosity(options, command.verbosity);
 }
 
-/// A command that plans and runs the job. `show(plan, result)` prints what belongs on stdout, and returns the
-/// exit code.
+/// A command that plans and runs the job, or with --dry-run, which it declares, prints the plan.
+/// `show(plan, result)` prints what belongs on stdout, and returns the exit code.
 template <class Request, class Show>
 Command job_command(const Options& options, const std::shared_ptr<JobCommand<Request>>& command, Show show) {
+  options.flag("--dry-run",
+               "check the command, print what it would read and write and how much memory it would need, and "
+               "do no more",
+               command->is_dry_run);
   return {options, [command, show](const CommandLine& words) {
             if constexpr (requires { command->request.command; })
               command->request.command = metadata_command(words);
             return with_threads(command->threads, words, [&] {
               Console console(command->verbosity);
               const auto checked = plan(command->request);
-              return show(checked, run(checked, console));
+              if (!command->is_dry_run) return show(checked, run(checked, console));
+              write_to_stdout(jobs::text_of(checked.work()));
+              return ExitCode::done;
             });
           }};
 }

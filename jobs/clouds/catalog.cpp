@@ -179,7 +179,7 @@ CatalogPlan plan(const CatalogRequest& request) {
   if (!is_geopackage(request.output) && !lower_case(request.output.string()).ends_with(".catalog.json"))
     throw file_error(request.output, "unknown output format", "the extension .catalog.json or .gpkg");
   check_writable(request.output, request.overwrite);
-  return CatalogPlan(request);
+  return CatalogPlan(request, {.clouds = request.files, .writes = {request.output}});
 }
 
 CatalogResult run(const CatalogPlan& plan, Listener& listener) {

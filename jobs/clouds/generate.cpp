@@ -33,7 +33,7 @@ void add_generate_fields(const Fields& fields, GenerateRequest& request) {
 GeneratePlan plan(const GenerateRequest& request) {
   if (request.output.has_extension()) check_extension(request.output, {".las", ".laz"});
   if (!request.output.empty()) check_writable(request.output, request.overwrite);
-  return GeneratePlan(request);
+  return GeneratePlan(request, {.writes = {request.output}});
 }
 
 PointCloud run(const GeneratePlan& plan, Listener& listener) {

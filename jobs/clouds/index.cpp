@@ -256,7 +256,10 @@ IndexPlan plan(const IndexRequest& request) {
   check_that(!request.memory || !contents.stored_order, "--memory excludes --stored-order");
   check_writable(request.output, request.overwrite, request.inputs());
   check_checkpoint_folder(request);
-  return IndexPlan(request);
+  // Points in scratch files take memory of that size only.
+  return IndexPlan(
+      request,
+      {.clouds = request.files, .writes = {request.output}, .bytes_per_point = request.memory ? 0.0 : 39.0});
 }
 
 IndexResult run(const IndexPlan& plan, Listener& listener) {

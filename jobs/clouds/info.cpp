@@ -318,7 +318,7 @@ void add_info_fields(const Fields& fields, InfoRequest& request) {
 }
 
 InfoPlan plan(const InfoRequest& request) {
-  return InfoPlan(request);
+  return InfoPlan(request, {.clouds = request.files});
 }
 
 InfoResult run(const InfoPlan& plan, Listener& listener) {

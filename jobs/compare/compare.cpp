@@ -190,13 +190,13 @@ void check_request(const CheckedCompare& request) {
             "--reference-cloud with --reference-points, --test-cloud with --test-points");
 }
 
-/// Errors: files that the run writes cannot be written, or would replace one of `inputs`.
-void check_files(const CompareRequest& request, const std::vector<fs::path>& inputs) {
-  std::vector<fs::path> outputs{request.report};
-  for (const MapKind& kind : k_maps) outputs.push_back(request.*kind.file);
-  outputs.push_back(request.reference_points.output);
-  outputs.push_back(request.test_points.output);
-  check_outputs(outputs, request.overwrite, inputs);
+/// What the run writes, and reads beside images of many pairs.
+PlannedWork work_of(const CompareRequest& request) {
+  PlannedWork work{.reads = {request.reference, request.test, request.pairs, request.comparison.mask,
+                             request.reference_points.cloud, request.test_points.cloud},
+                   .writes = {request.report, request.reference_points.output, request.test_points.output}};
+  for (const MapKind& kind : k_maps) work.writes.push_back(request.*kind.file);
+  return work;
 }
 
 /// A file of points behind regions of change.
@@ -331,19 +331,19 @@ ComparePlan plan(const CompareRequest& request) {
   checked.is_batch = !request.pairs.empty() || fs::is_directory(request.reference, error) ||
                      fs::is_directory(request.test, error);
   check_request(checked);
-  check_files(request, {request.reference, request.test, request.pairs, request.comparison.mask,
-                        request.reference_points.cloud, request.test_points.cloud});
+  PlannedWork work = work_of(request);
+  check_outputs(work, request.overwrite);
   if (!checked.is_batch) {
     checked.image_pairs = {{{}, request.reference, request.test}};
   } else {
     checked.image_pairs = request.pairs.empty() ? compare::pairs_of_folders(request.reference, request.test)
                                                 : compare::read_pairs(request.pairs);
-    std::vector<fs::path> images;
+    work.reads = {request.pairs};
     for (const compare::ImagePair& pair : checked.image_pairs)
-      images.insert(images.end(), {pair.reference, pair.test});
-    check_files(request, images);
+      work.reads.insert(work.reads.end(), {pair.reference, pair.test});
+    check_outputs(work, request.overwrite);
   }
-  return ComparePlan(std::move(checked));
+  return ComparePlan(std::move(checked), std::move(work));
 }
 
 CompareResult run(const ComparePlan& plan, Listener& listener) {

@@ -101,11 +101,12 @@ LoadPlan plan(const LoadRequest& request) {
     if (!request.overwrite) check_links(request.output);
     check_writable(request.output, true, request.files.names());
   }
-  return LoadPlan(std::move(checked));
+  const std::string database = checked.server ? checked.server->shown() : request.output.string();
+  return LoadPlan(std::move(checked), {.clouds = request.files, .writes = {database}});
 }
 
 ShardPlanPlan plan(const ShardPlanRequest& request) {
-  return ShardPlanPlan(request);
+  return ShardPlanPlan(request, {.clouds = request.files, .writes = {request.output}});
 }
 
 database::StoredFiles run(const LoadPlan& plan, Listener& listener) {

@@ -82,7 +82,7 @@ void add_rewrite_fields(const Fields& fields, RewriteRequest& request) {
 }
 
 RewritePlan plan(const RewriteRequest& request) {
-  return RewritePlan(request);
+  return RewritePlan(request, {.reads = {request.source.file}});
 }
 
 std::vector<database::RewrittenStatement> run(const RewritePlan& plan, Listener& listener) {

@@ -278,9 +278,9 @@ SqlPlan plan(const SqlRequest& request) {
   const bool is_database = names_database(request.cloud);
   if (is_database && request.partial)
     throw file_error(request.cloud, "--partial does not apply to databases", "no --partial");
-  return SqlPlan(
-      {request, is_database,
-       is_standard_input(request.source) ? std::nullopt : std::optional(read_sql(request.source))});
+  return SqlPlan({request, is_database,
+                  is_standard_input(request.source) ? std::nullopt : std::optional(read_sql(request.source))},
+                 {.reads = {request.cloud, request.source.file}});
 }
 
 std::unique_ptr<database::Connection> open_cloud(const CheckedSql& request, Listener& listener) {

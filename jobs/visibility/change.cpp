@@ -32,17 +32,6 @@ struct EpochCloud {
 };
 
 /// Errors that need no cloud.
-void check_request(const ChangeRequest& request) {
-  if (request.output.empty()) return;
-  check_points_name(request.output);
-  std::vector<std::filesystem::path> inputs{request.before.origins_file, request.after.origins_file};
-  for (const EpochRequest* epoch : {&request.before, &request.after}) {
-    const std::vector<std::filesystem::path> names = epoch->files.names();
-    inputs.insert(inputs.end(), names.begin(), names.end());
-  }
-  check_writable(request.output, request.overwrite, inputs);
-}
-
 void add_epoch(const Fields& fields, const char* operand, const CloudView& view, EpochRequest& epoch) {
   fields.required().value(
       operand, epoch.name,
@@ -230,8 +219,15 @@ void add_change_fields(const Fields& fields, ChangeRequest& request,
 }
 
 ChangePlan plan(const ChangeRequest& request) {
-  check_request(request);
-  return ChangePlan(request);
+  if (!request.output.empty()) check_points_name(request.output);
+  PlannedWork work{.clouds = request.before.files,
+                   .reads = {request.before.origins_file, request.after.origins_file},
+                   .writes = {request.output},
+                   .bytes_per_point = request.memory ? 0.0 : 45.0};
+  const std::vector<CloudInput>& after = request.after.files.inputs;
+  work.clouds.inputs.insert(work.clouds.inputs.end(), after.begin(), after.end());
+  check_outputs(work, request.overwrite);
+  return ChangePlan(request, std::move(work));
 }
 
 std::vector<ResultColumn> columns_of(const visibility::PointChanges& changes, std::uint8_t epoch) {

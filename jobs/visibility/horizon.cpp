@@ -61,22 +61,6 @@ void add_answers(const Fields& fields, HorizonRequest& request) {
   group.flag("--overwrite", "replace existing files", request.overwrite);
 }
 
-/// Errors that need no cloud.
-void check_request(const HorizonRequest& request) {
-  const auto require = [](const std::filesystem::path& file, bool right, const char* expected) {
-    if (file.empty() || right) return;
-    throw file_error(file, "unknown output format", expected);
-  };
-  require(request.output, visibility::row_form(request.output).has_value(), "the extension .csv or .geojson");
-  require(request.skyline, has_extension(request.skyline, {".png"}), "the extension .png");
-  require(request.depth, has_extension(request.depth, {".exr"}), "the extension .exr");
-  const std::filesystem::path outputs[] = {request.output, request.skyline, request.depth};
-  check_outputs(outputs, request.overwrite, request.inputs({request.observers.file}));
-  if (!request.skyline.empty() || !request.depth.empty()) image::load_library();
-  if (is_geojson(request)) geo::load_gdal();
-  check_given(request.observers);
-}
-
 visibility::Observer only_observer(const HorizonRequest& request, const VisibilityCloud& cloud,
                                    Listener& listener) {
   const std::vector<visibility::Observer> observers = load_observers(request.observers, cloud, listener);
@@ -224,8 +208,19 @@ void add_horizon_fields(const Fields& fields, HorizonRequest& request) {
 }
 
 HorizonPlan plan(const HorizonRequest& request) {
-  check_request(request);
-  return HorizonPlan(request);
+  const auto require = [](const std::filesystem::path& file, bool right, const char* expected) {
+    if (file.empty() || right) return;
+    throw file_error(file, "unknown output format", expected);
+  };
+  require(request.output, visibility::row_form(request.output).has_value(), "the extension .csv or .geojson");
+  require(request.skyline, has_extension(request.skyline, {".png"}), "the extension .png");
+  require(request.depth, has_extension(request.depth, {".exr"}), "the extension .exr");
+  PlannedWork work = request.work({request.observers.file}, {request.skyline, request.depth});
+  check_outputs(work, request.overwrite);
+  if (!request.skyline.empty() || !request.depth.empty()) image::load_library();
+  if (is_geojson(request)) geo::load_gdal();
+  check_given(request.observers);
+  return HorizonPlan(request, std::move(work));
 }
 
 HorizonResult run(const HorizonPlan& plan, Listener& listener) {

@@ -270,16 +270,6 @@ std::string result_text(const LinesRequest& request, const visibility::LineTable
   return text;
 }
 
-/// Errors that need no cloud.
-void check_request(const LinesRequest& request) {
-  if (!request.output.empty()) load_row_writer(request.output);
-  check_pair_request(request.pairs);
-  const std::vector<std::filesystem::path> inputs =
-      request.inputs({request.pairs.pairs, request.pairs.places});
-  if (!request.output.empty()) check_writable(request.output, request.overwrite, inputs);
-  check_checkpoint(request.checkpoint, request.overwrite, {&request.output, 1}, inputs);
-}
-
 Fingerprint fingerprint_of(const CheckpointRequest& request, const VisibilityCloud& cloud,
                            std::span<const visibility::LinePair> pairs) {
   Fingerprint fingerprint = run_fingerprint(request, cloud);
@@ -324,8 +314,12 @@ void add_lines_fields(const Fields& fields, LinesRequest& request) {
 }
 
 LinesPlan plan(const LinesRequest& request) {
-  check_request(request);
-  return LinesPlan(request);
+  if (!request.output.empty()) load_row_writer(request.output);
+  check_pair_request(request.pairs);
+  PlannedWork work = request.work({request.pairs.pairs, request.pairs.places});
+  check_outputs(work, request.overwrite);
+  check_checkpoint(request.checkpoint, request.overwrite, work);
+  return LinesPlan(request, std::move(work));
 }
 
 LinesResult run(const LinesPlan& plan, Listener& listener) {

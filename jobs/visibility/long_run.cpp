@@ -63,14 +63,12 @@ std::string wrote_text(const JobRequest& request) {
   return request.output.empty() ? "" : "; wrote " + request.output.string();
 }
 
-void check_checkpoint(const CheckpointRequest& request, bool overwrite,
-                      std::span<const std::filesystem::path> outputs,
-                      std::span<const std::filesystem::path> inputs) {
+void check_checkpoint(const CheckpointRequest& request, bool overwrite, PlannedWork& work) {
   if (request.file.empty()) return;
   if (!request.fields)
     throw input_error("a checkpoint of a request without fields", "add_checkpoint_fields() for the request");
   std::error_code error;
-  for (const std::filesystem::path& output : outputs) {
+  for (const std::filesystem::path& output : work.writes) {
     if (!output.empty() && same_file(request.file, output))
       throw file_error(request.file, "two outputs have this name", "another name");
   }
@@ -78,7 +76,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
   if (is_there && !request.resume && !overwrite)
     throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
   if (!overwrite) check_links(request.file);
-  check_writable(request.file, true, inputs);
+  check_outputs({work.clouds, work.reads, {request.file}}, true);
   // Another file would be replaced, and removed in the end.
   if (is_there && !is_parts_file(request.file)) {
     throw Error({.file = request.file.string(),
@@ -86,6 +84,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
                  .problem = "not a visibility checkpoint",
                  .expected = "a checkpoint, or the name of a file that does not exist"});
   }
+  work.writes.push_back(request.file);
 }
 
 Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud) {

@@ -20,12 +20,10 @@ namespace alidade::jobs {
 /// "; wrote FILE", the end of a job's last note; nothing without an output.
 std::string wrote_text(const JobRequest& request);
 
-/// Lets a run fail before it starts. Errors: the request has no fields to resume by; the checkpoint is one of
-/// the outputs or inputs, exists and may neither be resumed from nor replaced, is another kind of file, or
-/// cannot be written.
-void check_checkpoint(const CheckpointRequest& request, bool overwrite,
-                      std::span<const std::filesystem::path> outputs,
-                      std::span<const std::filesystem::path> inputs);
+/// Lets a run fail before it starts, and adds the checkpoint to what it writes. Errors: the request has no
+/// fields to resume by; the checkpoint is one of the outputs or inputs, exists and may neither be resumed
+/// from nor replaced, is another kind of file, or cannot be written.
+void check_checkpoint(const CheckpointRequest& request, bool overwrite, PlannedWork& work);
 
 /// All that the answers of a job depend on: its name, the fields given to it without those that cannot change
 /// answers (outputs, threads, messages), the points, surfaces, classes and reference system of the cloud as

@@ -106,14 +106,12 @@ std::string given_map_field(const MapRequest& map) {
   return map.ground_reach ? "--ground-reach" : "";
 }
 
-void check_map_writing(const MapRequest& map, bool overwrite,
-                       std::span<const std::filesystem::path> other_files) {
+void load_map_writer(const MapRequest& map) {
   geo::load_gdal();
   if (map.preview.empty()) return;
   image::load_library();
   if (file_extension(map.preview) != ".png")
     throw file_error(map.preview, "unknown output format", "the extension .png");
-  check_writable(map.preview, overwrite, other_files);
   image::find_font();
 }
 

@@ -44,10 +44,9 @@ void add_map_fields(const Fields& fields, MapRequest& map);
 /// Name of the first of these fields that was given, as "--extent"; empty: none.
 std::string given_map_field(const MapRequest& map);
 
-/// Lets a map fail before the work. Errors: a preview that is not a PNG, exists and may not be replaced, or
-/// is one of the other files.
-void check_map_writing(const MapRequest& map, bool overwrite,
-                       std::span<const std::filesystem::path> other_files);
+/// Loads what maps are written with. Errors: a preview that is not a PNG; those of geo::load_gdal(),
+/// image::load_library() and image::find_font().
+void load_map_writer(const MapRequest& map);
 
 /// The ground below the cloud; notes how the ground was found.
 visibility::Ground find_map_ground(const MapRequest& map, const VisibilityCloud& cloud, Listener& listener);

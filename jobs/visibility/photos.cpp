@@ -28,20 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Errors that need no cloud.
-void check_request(const PhotosRequest& request) {
-  if (!request.output.empty()) check_points_name(request.output);
-  if (!request.footprints.empty()) geo::check_geopackage_name(request.footprints);
-  if (request.colorize && request.photos.empty() && !camera::is_e57(request.cameras)) {
-    throw input_error("--colorize requires the photos",
-                      "--photos FOLDER, or an E57 file with photos for --camera");
-  }
-  const std::vector<std::filesystem::path> inputs = request.inputs({request.cameras, request.lens});
-  const std::filesystem::path outputs[] = {request.output, request.footprints};
-  check_outputs(outputs, request.overwrite, inputs);
-  check_checkpoint(request.checkpoint, request.overwrite, outputs, inputs);
-}
-
 camera::CameraSet read_photo_cameras(const PhotosRequest& request) {
   camera::CameraFileOptions options{.lens = {}, .original_world = request.original_world};
   if (!request.lens.empty()) options.lens = camera::read_camera(request.lens);
@@ -283,14 +269,22 @@ void add_photos_fields(const Fields& fields, PhotosRequest& request) {
 }
 
 PhotosPlan plan(const PhotosRequest& request) {
-  check_request(request);
-  return {request, read_photo_cameras(request)};
+  if (!request.output.empty()) check_points_name(request.output);
+  if (!request.footprints.empty()) geo::check_geopackage_name(request.footprints);
+  if (request.colorize && request.photos.empty() && !camera::is_e57(request.cameras)) {
+    throw input_error("--colorize requires the photos",
+                      "--photos FOLDER, or an E57 file with photos for --camera");
+  }
+  PlannedWork work = request.work({request.cameras, request.lens}, {request.footprints});
+  check_outputs(work, request.overwrite);
+  check_checkpoint(request.checkpoint, request.overwrite, work);
+  return PhotosPlan({request, read_photo_cameras(request)}, std::move(work));
 }
 
 PhotosResult run(const PhotosPlan& plan, Listener& listener) {
   const PhotosRequest& request = plan.request();
-  const std::vector<camera::NamedCamera>& cameras = plan.cameras().cameras;
-  warn_all(listener, plan.cameras().warnings);
+  const std::vector<camera::NamedCamera>& cameras = plan.request().camera_set.cameras;
+  warn_all(listener, plan.request().camera_set.warnings);
   const PhotoReader read_photo = find_photos(request, cameras);
   if (!request.footprints.empty()) geo::load_gdal();
   const auto cloud = load_cloud_alone(

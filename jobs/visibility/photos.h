@@ -36,20 +36,10 @@ struct PhotosRequest : VisibilityRequest {
 /// Declares all fields.
 void add_photos_fields(const Fields& fields, PhotosRequest& request);
 
-/// A checked request, with its cameras.
-class PhotosPlan {
- public:
-  const PhotosRequest& request() const { return request_; }
-  const camera::CameraSet& cameras() const { return cameras_; }
-
- private:
-  friend PhotosPlan plan(const PhotosRequest& request);
-  PhotosPlan(const PhotosRequest& request, camera::CameraSet cameras)
-      : request_(request), cameras_(std::move(cameras)) {}
-
-  PhotosRequest request_;
-  camera::CameraSet cameras_;
+struct CheckedPhotos : PhotosRequest {
+  camera::CameraSet camera_set;
 };
+using PhotosPlan = Plan<CheckedPhotos>;
 
 /// Checks all that can be checked before a point or photo is read, and reads the cameras. Errors: unknown
 /// output formats; colours without photos; files that cannot be read, replaced or written; those of

@@ -34,18 +34,6 @@ std::map<int, double> parse_weights(const std::string& text) {
   return weights;
 }
 
-/// Errors that need no cloud.
-void check_request(const PlaceRequest& request) {
-  if (!request.output.empty()) load_row_writer(request.output);
-  const std::vector<std::filesystem::path> inputs = request.inputs({request.candidates.file});
-  const std::filesystem::path outputs[] = {request.output, request.curve};
-  if (!request.curve.empty() && image::image_format(request.curve) != image::ImageFormat::png)
-    throw file_error(request.curve, "unknown output format", "the extension .png");
-  check_outputs(outputs, request.overwrite, inputs);
-  check_checkpoint(request.checkpoint, request.overwrite, outputs, inputs);
-  if (!request.curve.empty()) image::load_library();
-}
-
 std::vector<visibility::PlacementTarget> targets_of(const PlaceRequest& request, const VisibilityCloud& cloud,
                                                     Listener& listener) {
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
@@ -135,8 +123,14 @@ void add_place_fields(const Fields& fields, PlaceRequest& request) {
 }
 
 PlacePlan plan(const PlaceRequest& request) {
-  check_request(request);
-  return PlacePlan(request);
+  if (!request.output.empty()) load_row_writer(request.output);
+  if (!request.curve.empty() && image::image_format(request.curve) != image::ImageFormat::png)
+    throw file_error(request.curve, "unknown output format", "the extension .png");
+  PlannedWork work = request.work({request.candidates.file}, {request.curve});
+  check_outputs(work, request.overwrite);
+  check_checkpoint(request.checkpoint, request.overwrite, work);
+  if (!request.curve.empty()) image::load_library();
+  return PlacePlan(request, std::move(work));
 }
 
 PlaceResult run(const PlacePlan& plan, Listener& listener) {

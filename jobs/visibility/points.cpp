@@ -55,16 +55,6 @@ std::int64_t blocker_number(std::uint32_t blocker) {
   return blocker == visibility::k_blocked_by_mesh ? -2 : std::int64_t{blocker};
 }
 
-/// Errors that need no cloud.
-void check_request(const PointsRequest& request) {
-  if (!request.output.empty()) check_points_name(request.output);
-  const std::vector<std::filesystem::path> inputs = request.inputs({request.observers.file});
-  const std::filesystem::path outputs[] = {request.output, request.lists};
-  check_outputs(outputs, request.overwrite, inputs);
-  check_checkpoint(request.checkpoint, request.overwrite, outputs, inputs);
-  check_given(request.observers);
-}
-
 /// Error if the bits of VisibleBy do not fit into the numbers of the output.
 void check_observer_count(const PointsRequest& request, std::size_t observers) {
   constexpr std::size_t k_most_in_double = 53;
@@ -193,8 +183,12 @@ void add_points_fields(const Fields& fields, PointsRequest& request) {
 }
 
 PointsPlan plan(const PointsRequest& request) {
-  check_request(request);
-  return PointsPlan(request);
+  if (!request.output.empty()) check_points_name(request.output);
+  PlannedWork work = request.work({request.observers.file}, {request.lists});
+  check_outputs(work, request.overwrite);
+  check_checkpoint(request.checkpoint, request.overwrite, work);
+  check_given(request.observers);
+  return PointsPlan(request, std::move(work));
 }
 
 PointsResult run(const PointsPlan& plan, Listener& listener) {

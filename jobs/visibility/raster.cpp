@@ -160,19 +160,6 @@ void check_objects(const RasterRequest& request) {
 }
 
 /// Errors that need no cloud.
-void check_request(const RasterRequest& request) {
-  check_values(request);
-  check_objects(request);
-  std::vector<std::filesystem::path> others = request.inputs({request.observers.file, request.objects.file});
-  if (!request.output.empty()) {
-    geo::check_raster_name(request.output);
-    check_writable(request.output, request.overwrite, others);
-  }
-  check_checkpoint(request.checkpoint, request.overwrite, {{request.output, request.map.preview}}, others);
-  others.push_back(request.output);
-  check_map_writing(request.map, request.overwrite, others);
-}
-
 visibility::ViewshedOptions options_of(const RasterRequest& request, const CloudUnit& unit) {
   visibility::ViewshedOptions options;
   options.mode = request.mode();
@@ -345,11 +332,17 @@ void add_raster_fields(const Fields& fields, RasterRequest& request) {
 
 RasterPlan plan(const RasterRequest& request) {
   constexpr double k_grass_observer = 1.75;
-  check_request(request);
+  check_values(request);
+  check_objects(request);
+  if (!request.output.empty()) geo::check_raster_name(request.output);
+  load_map_writer(request.map);
+  PlannedWork work = request.work({request.observers.file, request.objects.file}, {request.map.preview});
+  check_outputs(work, request.overwrite);
+  check_checkpoint(request.checkpoint, request.overwrite, work);
   if (!request.objects.any()) check_given(request.observers);
   RasterRequest checked = request;
   if (request.like == DefaultSet::grass) checked.observers.defaults.height_on_ground = k_grass_observer;
-  return RasterPlan(std::move(checked));
+  return RasterPlan(std::move(checked), std::move(work));
 }
 
 RasterResult run(const RasterPlan& plan, Listener& listener) {

@@ -79,8 +79,7 @@ std::vector<ResultColumn> columns_of(const std::vector<float>& views) {
 }
 
 SkyPlan plan(const SkyRequest& request) {
-  check_sky_site(request);
-  return SkyPlan(request);
+  return SkyPlan(request, plan_sky_site(request));
 }
 
 SkyResult run(const SkyPlan& plan, Listener& listener) {

@@ -26,7 +26,7 @@ void add_sky_fields(const Fields& fields, SkyRequest& request);
 /// A checked request.
 using SkyPlan = Plan<SkyRequest>;
 
-/// Checks all that can be checked before a point is read. Errors: those of check_sky_site().
+/// Checks all that can be checked before a point is read. Errors: those of plan_sky_site().
 SkyPlan plan(const SkyRequest& request);
 
 /// Sky-view factors.

@@ -42,7 +42,7 @@ void add_sky_site_fields(const Fields& fields, SkySiteRequest& request) {
   add_scratch_memory(fields, request.memory);
 }
 
-void check_sky_site(const SkySiteRequest& request) {
+PlannedWork plan_sky_site(const SkySiteRequest& request, std::initializer_list<std::filesystem::path> reads) {
   const auto reject = [](const std::string& option, const std::string& kind) {
     throw input_error(option + " does not apply to this output", kind);
   };
@@ -52,10 +52,11 @@ void check_sky_site(const SkySiteRequest& request) {
     if (const std::string option = given_map_field(request.map); !option.empty())
       reject(option, "a map (.tif)");
   }
-  if (!request.output.empty()) check_writable(request.output, request.overwrite, request.inputs());
-  check_checkpoint(request.checkpoint, request.overwrite, {{request.output, request.map.preview}},
-                   request.inputs());
-  if (request.is_map()) check_map_writing(request.map, request.overwrite, request.inputs({request.output}));
+  if (request.is_map()) load_map_writer(request.map);
+  PlannedWork work = request.work(reads, {request.map.preview});
+  check_outputs(work, request.overwrite);
+  check_checkpoint(request.checkpoint, request.overwrite, work);
+  return work;
 }
 
 SkySite load_sky_site(const SkySiteRequest& request, int bands, Listener& listener) {

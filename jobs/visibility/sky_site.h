@@ -41,7 +41,8 @@ void add_sky_site_fields(const Fields& fields, SkySiteRequest& request);
 
 /// Errors that need no cloud: an output of another format, or that cannot be written; fields that do not
 /// apply to this kind of output.
-void check_sky_site(const SkySiteRequest& request);
+PlannedWork plan_sky_site(const SkySiteRequest& request,
+                          std::initializer_list<std::filesystem::path> reads = {});
 
 /// A cloud, and if a map is requested, its ground and cells.
 struct SkySite {
@@ -52,7 +53,7 @@ struct SkySite {
 };
 
 /// All that is done before occluders are measured, which may take long. `bands`: of a map. Requires: checked
-/// by check_sky_site(). Errors: those of load_cloud_alone(), map_grid().
+/// by plan_sky_site(). Errors: those of load_cloud_alone(), map_grid().
 SkySite load_sky_site(const SkySiteRequest& request, int bands, Listener& listener);
 
 /// All that the answers of both jobs depend on.

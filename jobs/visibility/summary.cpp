@@ -27,16 +27,6 @@ std::vector<double> parse_bands(const std::string& text) {
   return bands;
 }
 
-/// Errors that need no cloud.
-void check_request(const SummaryRequest& request) {
-  visibility::azimuths_per_turn(request.summary.step);
-  if (!request.output.empty()) load_row_writer(request.output);
-  const std::vector<std::filesystem::path> inputs = request.inputs({request.observers.file});
-  check_outputs({{request.output}}, request.overwrite, inputs);
-  check_checkpoint(request.checkpoint, request.overwrite, {{request.output}}, inputs);
-  check_given(request.observers);
-}
-
 void add_answers(const Fields& summary, SummaryRequest& request) {
   const Fields group = summary.group("Answers");
   group.required().file("-o,--output", "FILE", "output file: .csv, .json or .geojson; one row per observer",
@@ -67,8 +57,13 @@ void add_summary_fields(const Fields& fields, SummaryRequest& request) {
 }
 
 SummaryPlan plan(const SummaryRequest& request) {
-  check_request(request);
-  return SummaryPlan(request);
+  visibility::azimuths_per_turn(request.summary.step);
+  if (!request.output.empty()) load_row_writer(request.output);
+  PlannedWork work = request.work({request.observers.file});
+  check_outputs(work, request.overwrite);
+  check_checkpoint(request.checkpoint, request.overwrite, work);
+  check_given(request.observers);
+  return SummaryPlan(request, std::move(work));
 }
 
 SummaryResult run(const SummaryPlan& plan, Listener& listener) {

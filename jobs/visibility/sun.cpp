@@ -81,7 +81,7 @@ SunResult point_sun(const SunRequest& request, const VisibilityCloud& cloud, con
 }
 
 /// Errors that need no cloud.
-void check_observer_fields(const SunRequest& request) {
+PlannedWork plan_observers(const SunRequest& request) {
   const auto reject = [](const std::string& option) {
     throw input_error(option + " does not apply to --observer", "a map (.tif) or points (.las, .laz, .ply)");
   };
@@ -92,9 +92,11 @@ void check_observer_fields(const SunRequest& request) {
   if (!request.output.empty()) load_row_writer(request.output);
   if (!request.diagram.empty() && !has_extension(request.diagram, {".png"}))
     throw file_error(request.diagram, "unknown output format", "the extension .png");
-  const std::filesystem::path outputs[] = {request.output, request.diagram};
-  check_outputs(outputs, request.overwrite, request.inputs({request.observers.file, request.weather}));
+  PlannedWork work = request.work({request.observers.file, request.weather}, {request.diagram});
+  check_outputs(work, request.overwrite);
   if (!request.diagram.empty()) image::load_library();
+  check_given(request.observers);
+  return work;
 }
 
 void write_diagram(const SunRequest& request, const VisibilityCloud& cloud, const SunSky& sun,
@@ -220,14 +222,9 @@ visibility::PositionTable table_of(const SunRequest& request, const SunResult& r
 SunPlan plan(const SunRequest& request) {
   if (request.beam_only && request.bounces > 0)
     throw input_error("--bounces 1 does not apply with --beam-only", "one of the two");
-  if (request.has_observers()) {
-    check_observer_fields(request);
-    check_given(request.observers);
-  } else {
-    if (!request.diagram.empty()) throw input_error("--diagram requires an observer", "--observer X,Y,Z");
-    check_sky_site(request);
-  }
-  return SunPlan(request);
+  if (request.has_observers()) return SunPlan(request, plan_observers(request));
+  if (!request.diagram.empty()) throw input_error("--diagram requires an observer", "--observer X,Y,Z");
+  return SunPlan(request, plan_sky_site(request, {request.weather}));
 }
 
 SunResult run(const SunPlan& plan, Listener& listener) {

@@ -21,7 +21,7 @@ namespace alidade::jobs {
 using SunPlan = Plan<SunRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: fields that exclude each other, or do not
-/// apply to observers; those of check_given() or check_sky_site().
+/// apply to observers; those of check_given() or plan_sky_site().
 SunPlan plan(const SunRequest& request);
 
 /// What receivers get. Files hold the sun_quantities() of it.

@@ -187,12 +187,19 @@ void add_ignored_classes(const Fields& fields, const std::string& effect, std::b
       [](const std::string& text) { return text == "none" ? std::bitset<256>() : parse_classes(text); });
 }
 
-std::vector<std::filesystem::path> VisibilityRequest::inputs(
-    std::initializer_list<std::filesystem::path> more) const {
-  std::vector<std::filesystem::path> all = CloudRequest::inputs(more);
-  all.insert(all.end(), occluders.meshes.begin(), occluders.meshes.end());
-  if (!occluders.terrain.empty()) all.push_back(occluders.terrain);
-  return all;
+PlannedWork VisibilityRequest::work(std::initializer_list<std::filesystem::path> reads,
+                                    std::initializer_list<std::filesystem::path> writes) const {
+  // Points with their octree, spacings and surfaces; those in scratch files take memory of that size only.
+  PlannedWork work{
+      .clouds = files, .reads = occluders.meshes, .writes = {output}, .bytes_per_point = memory ? 0.0 : 45.0};
+  if (is_raster_alone(files)) {
+    work.reads.push_back(files.first_name());
+    work.clouds = {};
+  }
+  work.reads.push_back(occluders.terrain);
+  work.reads.insert(work.reads.end(), reads);
+  work.writes.insert(work.writes.end(), writes);
+  return work;
 }
 
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,

@@ -14,6 +14,7 @@
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/plan.h"
 #include "mesh/triangle_tree.h"
 #include "octree/index_file/index_file.h"
 #include "visibility/raster/ground.h"
@@ -40,8 +41,9 @@ void add_ignored_classes(const Fields& fields, const std::string& effect, std::b
 struct VisibilityRequest : CloudRequest {
   OccluderRequest occluders;
 
-  /// The files of cloud, meshes and terrain, and other files that are read.
-  std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
+  /// What is read and written: cloud, meshes, terrain, output, and these.
+  PlannedWork work(std::initializer_list<std::filesystem::path> reads = {},
+                   std::initializer_list<std::filesystem::path> writes = {}) const;
 };
 
 /// All meshes as one.

@@ -146,7 +146,7 @@ TEST_F(PointsJobTest, photos_have_cameras_and_what_they_see) {
   photos.cameras = folder / "north.json";
   photos.output = folder / "seen.las";
   const jobs::PhotosPlan checked = plan(photos);
-  EXPECT_EQ(checked.cameras().cameras.size(), 1u);
+  EXPECT_EQ(checked.request().camera_set.cameras.size(), 1u);
   const jobs::PhotosResult result = run(checked, heard);
   ASSERT_EQ(result.cameras.size(), 1u);
   ASSERT_EQ(result.seen.photos.size(), 1u);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The job itself is tested in tests/jobs/raster_test.cpp.
-#include <gdal.h>
 
+#include <fmt/format.h>
+#include <gdal.h>
 #include <array>
 #include <map>
 
+#include "base/shown_text.h"
 #include "cloud/las/write_las.h"
 #include "tests/support/garden.h"
 #include "tests/tools/run_program.h"
@@ -108,6 +110,22 @@ TEST_F(VisibilityRasterTest, a_full_disk_is_an_error_that_leaves_nothing) {
     EXPECT_TRUE(contains(full.err, "seen.tif")) << full.err;
     EXPECT_EQ(names(), Words{"garden.las"}) << bytes;
   }
+}
+
+TEST_F(VisibilityRasterTest, a_dry_run_prints_the_plan_and_writes_nothing) {
+  const Words words = {"--observer", "690005,5325010", "-o",         "seen.tif", "--preview",
+                       "seen.png",   "--checkpoint",   "seen.state", "--dry-run"};
+  const ProgramResult result = raster(words);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(
+      result.out.substr(0, result.out.find("needs")),
+      fmt::format("reads   garden.las  {} points, {}\n"
+                  "writes  seen.tif\nwrites  seen.png\nwrites  seen.state\n",
+                  garden(k_metres).size(),
+                  quantity(static_cast<double>(std::filesystem::file_size(folder / "garden.las")), "B")));
+  EXPECT_EQ(names(), Words{"garden.las"});
+  // What the run would reject, the dry run rejects.
+  EXPECT_EQ(raster({"--observer", "690005,5325010", "-o", "garden.las", "--dry-run"}).exit_code, 2);
 }
 
 TEST_F(VisibilityRasterTest, what_was_used_is_printed_and_stored) {

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "jobs/plan.h"
+
+#include <fmt/format.h>
+#include <cstdint>
+#include <optional>
+#include <system_error>
+
+#include "base/huge_memory.h"
+#include "base/shown_text.h"
+#include "cloud/cloud_reader.h"
+#include "jobs/outputs.h"
+
+namespace alidade::jobs {
+namespace {
+
+/// What the program takes without any point: libraries, threads, buffers.
+constexpr double k_bytes_without_points = 50e6;
+
+std::string bytes_text(double bytes) {
+  return quantity(bytes, "B");
+}
+
+/// ", 38 MB" for a file here, else nothing.
+std::string size_of(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  return error ? "" : bytes_text(static_cast<double>(size));
+}
+
+std::string line(const char* what, const std::filesystem::path& file, const std::string& more) {
+  return fmt::format("{:<7} {}{}{}\n", what, line_text(public_name(file.string())), more.empty() ? "" : "  ",
+                     more);
+}
+
+}  // namespace
+
+void check_outputs(const PlannedWork& work, bool overwrite) {
+  std::vector<std::filesystem::path> inputs = work.clouds.names();
+  inputs.insert(inputs.end(), work.reads.begin(), work.reads.end());
+  check_outputs(work.writes, overwrite, inputs);
+}
+
+std::string text_of(const PlannedWork& work) {
+  std::string text;
+  std::uint64_t points = 0;
+  bool are_all_known = true;
+  for (const CloudInput& input : work.clouds.inputs) {
+    const auto count = open_stored_cloud(input, input.file(), Damage::read_over)->point_count();
+    const std::string size = size_of(input.name);
+    text += line("reads", input.name,
+                 (count ? fmt::format("{} points", *count) : "points not counted yet") +
+                     (size.empty() ? "" : ", ") + size);
+    points += count.value_or(0);
+    are_all_known = are_all_known && count;
+  }
+  for (const std::filesystem::path& file : work.reads)
+    if (!file.empty()) text += line("reads", file, size_of(file));
+  for (const std::filesystem::path& file : work.writes) {
+    std::error_code error;
+    if (!file.empty())
+      text += line("writes", file, std::filesystem::is_regular_file(file, error) ? "replacing the file" : "");
+  }
+  if (work.bytes_per_point > 0.0 && are_all_known) {
+    const std::optional<std::uint64_t> free = available_memory();
+    text +=
+        fmt::format("{:<7} about {} of memory{}\n", "needs",
+                    bytes_text(k_bytes_without_points + work.bytes_per_point * static_cast<double>(points)),
+                    free ? fmt::format("; {} are free", bytes_text(static_cast<double>(*free))) : "");
+  }
+  return text;
+}
+
+}  // namespace alidade::jobs
