@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "camera/camera_json.h"
 #include "camera/projection.h"
 
 namespace alidade::jobs {
@@ -25,17 +26,19 @@ void check(const camera::Camera& camera, const std::string& file, const std::str
 
 }  // namespace
 
-void add_camera_reading(const Fields& fields, const std::string& lens_default,
-                        std::filesystem::path& lens_file, bool& original_world) {
+void add_camera_reading(const Fields& fields, const std::string& lens_default, CameraFileRequest& request) {
   fields.file("--lens", "FILE.json", "camera file with the size and lens of a trajectory" + lens_default,
-              lens_file);
+              request.lens);
   fields.flag("--original-world", "transforms.json: undo applied_transform and applied_scale",
-              original_world);
+              request.original_world);
 }
 
-camera::CameraSet read_camera_file(const std::filesystem::path& file, const std::vector<std::string>& names,
-                                   const camera::CameraFileOptions& options) {
-  camera::CameraSet set = camera::read_cameras(file, options);
+camera::CameraSet read_camera_file(const CameraFileRequest& request, std::optional<camera::Camera> lens) {
+  const std::filesystem::path& file = request.file;
+  const std::vector<std::string>& names = request.names;
+  if (!request.lens.empty()) lens = camera::read_camera(request.lens);
+  camera::CameraSet set =
+      camera::read_cameras(file, {.lens = lens, .original_world = request.original_world});
   if (!names.empty()) {
     std::vector<camera::NamedCamera> chosen;
     for (const std::string& name : names) {

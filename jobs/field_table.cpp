@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "base/words.h"
-#include "jobs/checkpoint_request.h"
+#include "jobs/long_run.h"
 #include "jobs/outputs.h"
 
 namespace alidade::jobs {

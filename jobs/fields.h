@@ -220,21 +220,25 @@ class Fields {
     });
   }
 
-  /// One of the named values.
+  /// One of the named values, which is taken, or stored.
+  template <class Value>
+  Field choice(const std::string& names, const std::string& help,
+               std::vector<std::pair<std::string, Value>> values,
+               std::function<void(const Value&)> take_value) const {
+    std::string kind;
+    for (const auto& value : values) kind += (kind.empty() ? "" : "|") + value.first;
+    return value(names, kind, help, [take_value, kind, values](const std::string& text) {
+      for (const auto& [word, value] : values)
+        if (text == word) return take_value(value);
+      throw UsageError("invalid value; expected " + kind + ", found '" + text + "'");
+    });
+  }
   template <class Target>
   Field choice(const std::string& names, const std::string& help, Target& target,
                std::vector<std::pair<std::string, ValueOf<Target>>> values) const {
-    std::string kind;
-    for (const auto& value : values) kind += (kind.empty() ? "" : "|") + value.first;
-    return value(names, kind, help, [&target, kind, values](const std::string& text) {
-      for (const auto& [word, value] : values) {
-        if (text == word) {
-          target = value;
-          return;
-        }
-      }
-      throw UsageError("invalid value; expected " + kind + ", found '" + text + "'");
-    });
+    return choice<ValueOf<Target>>(names, help, std::move(values),
+                                   std::function<void(const ValueOf<Target>&)>(
+                                       [&target](const ValueOf<Target>& value) { target = value; }));
   }
 
   std::string name() const { return sink_->name(); }

@@ -37,6 +37,8 @@ class Listener {
   virtual void warn(std::string_view text) = 0;
   /// Part of the request cannot be fulfilled, but the job goes on: heard by those who want errors only, too.
   virtual void warn_always(std::string_view text) = 0;
+  /// A detail for those who look for the cause of something.
+  virtual void detail(std::string_view) {}
   /// Whether notes and warnings are heard at all: some take time to compute.
   virtual bool is_listening() const = 0;
   /// A stage begins. `task`: as "reading"; `unit`: of its counts, "B" or a plural such as "points".

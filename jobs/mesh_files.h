@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <filesystem>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "jobs/fields.h"
 #include "jobs/listener.h"
@@ -14,14 +14,13 @@
 
 namespace alidade::jobs {
 
-/// Declares --mesh, which is repeatable; appends its files to `files`. `purpose`: the use of the
-/// triangles, the end of the help text.
-inline void add_mesh_field(const Fields& fields, const std::string& purpose,
-                           std::vector<std::filesystem::path>& files) {
+/// Declares --mesh, which is repeatable; `take` gets each of its files. `purpose`: the use of the triangles,
+/// the end of the help text.
+inline void add_mesh_field(const Fields& fields, const std::string& purpose, Fields::Take take) {
   fields.values("--mesh", "FILE",
                 "PLY or OBJ file of triangles in world coordinates, such as a planned building, " + purpose +
                     "; repeatable",
-                [&files](const std::string& text) { files.emplace_back(text); });
+                std::move(take));
 }
 
 /// Reads a mesh as one stage; warns of what it warns of, and notes how large it is. Errors: as read_mesh().

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "jobs/outputs.h"
 
+#include <set>
 #include <system_error>
 
 #include "base/error.h"
@@ -8,6 +9,15 @@
 #include "base/words.h"
 
 namespace alidade::jobs {
+namespace {
+
+/// A name that is the same for every name of a file, which need not exist.
+std::filesystem::path canonical_name(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+}
+
+}  // namespace
 
 void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs) {
@@ -37,23 +47,21 @@ void check_extension(const std::filesystem::path& file, std::initializer_list<st
 }
 
 void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrite,
-                   std::span<const std::filesystem::path> inputs) {
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    if (outputs[i].empty()) continue;
-    check_writable(outputs[i], overwrite, inputs);
-    for (const std::filesystem::path& earlier : outputs.first(i)) {
-      if (earlier.empty() || !same_file(earlier, outputs[i])) continue;
-      throw file_error(outputs[i], "two outputs have this name", "different names");
-    }
+                   std::span<const std::filesystem::path> inputs,
+                   std::span<const std::filesystem::path> others) {
+  std::set<std::filesystem::path> taken;
+  for (const std::filesystem::path& other : others)
+    if (!other.empty()) taken.insert(canonical_name(other));
+  for (const std::filesystem::path& output : outputs) {
+    if (output.empty()) continue;
+    check_writable(output, overwrite, inputs);
+    if (!taken.insert(canonical_name(output)).second)
+      throw file_error(output, "two outputs have this name", "different names");
   }
 }
 
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const auto canonical = [](const std::filesystem::path& path) {
-    std::error_code error;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
-  };
-  return canonical(a) == canonical(b);
+  return canonical_name(a) == canonical_name(b);
 }
 
 std::string kept_name(const std::filesystem::path& given) {

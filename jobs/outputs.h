@@ -18,10 +18,11 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
 /// Errors: a file's name ends in none of these, given in lower case as ".las"; its own case is ignored.
 void check_extension(const std::filesystem::path& file, std::initializer_list<std::string_view> extensions);
 
-/// check_writable() for all files that a job or command writes; empty names are left out. Errors: two are one
-/// file.
+/// check_writable() for all files that a job or command writes; empty names are left out. Errors: two of them
+/// are one file, or one is among `others`, outputs that are checked elsewhere.
 void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrite,
-                   std::span<const std::filesystem::path> inputs = {});
+                   std::span<const std::filesystem::path> inputs = {},
+                   std::span<const std::filesystem::path> others = {});
 
 /// Whether two names are those of one file, which need not exist.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);

@@ -108,16 +108,20 @@ void write_to_stdout(std::string_view text) {
   }
 }
 
-ProgressLine::ProgressLine(std::string task, std::string unit, Verbosity verbosity)
+ProgressLine::ProgressLine(std::string task, std::string unit, Verbosity verbosity,
+                           std::shared_ptr<const ProgressLine*> on_line)
     : task_(std::move(task)),
       unit_(std::move(unit)),
       verbosity_(verbosity),
       on_terminal_(isatty(STDERR_FILENO) == 1),
+      on_line_(std::move(on_line)),
       start_(Clock::now()),
       last_shown_(start_) {}
 
 ProgressLine::~ProgressLine() {
-  if (line_open_) write_to_stderr("\n");
+  if (*on_line_ != this) return;
+  write_to_stderr("\n");
+  *on_line_ = nullptr;
 }
 
 Progress ProgressLine::callback() {
@@ -152,16 +156,10 @@ void ProgressLine::show(double seconds) {
   }
   if (on_terminal_) {
     write_to_stderr(k_line_start + text);
-    line_open_ = true;
+    *on_line_ = this;
   } else {
     write_to_stderr(text + "\n");
   }
-}
-
-void ProgressLine::interject(const std::string& text) {
-  if (line_open_) write_to_stderr(k_line_start);
-  line_open_ = false;
-  say_note(text);
 }
 
 void ProgressLine::finish() {
@@ -171,15 +169,35 @@ void ProgressLine::finish() {
   std::string text = fmt::format("{}: {} in {:.1f} s", task_, quantity(count, unit_), seconds);
   if (seconds > 0.5) text += fmt::format(" ({}/s)", quantity(count / seconds, unit_));
   write_to_stderr((on_terminal_ ? k_line_start : "") + text + "\n");
-  line_open_ = false;
+  *on_line_ = nullptr;
+}
+
+void Console::begin_line() {
+  if (*on_line_ != nullptr) write_to_stderr(k_line_start);
+  *on_line_ = nullptr;
+}
+
+void Console::note(std::string_view text) {
+  if (!is_listening()) return;
+  begin_line();
+  say_note(text);
 }
 
 void Console::warn(std::string_view text) {
-  if (is_listening()) say_warning(text);
+  if (is_listening()) warn_always(text);
+}
+
+void Console::warn_always(std::string_view text) {
+  begin_line();
+  say_warning(text);
+}
+
+void Console::detail(std::string_view text) {
+  if (verbosity_ == Verbosity::verbose) note(text);
 }
 
 std::unique_ptr<jobs::Listener::Stage> Console::begin(std::string task, std::string unit) {
-  return std::make_unique<ProgressLine>(std::move(task), std::move(unit), verbosity_);
+  return std::make_unique<ProgressLine>(std::move(task), std::move(unit), verbosity_, on_line_);
 }
 
 }  // namespace alidade::tools

@@ -77,8 +77,10 @@ void write_to_stdout(std::string_view text);
 ///   line.finish();
 class ProgressLine : public jobs::Listener::Stage {
  public:
-  /// `unit`: of the task's count, as written behind a rate: "points", "camera rays".
-  ProgressLine(std::string task, std::string unit, Verbosity verbosity);
+  /// `unit`: of the task's count, as written behind a rate: "points", "camera rays". `on_line`: who has left
+  /// the terminal in the middle of a line, for others that print there; null: nobody.
+  ProgressLine(std::string task, std::string unit, Verbosity verbosity,
+               std::shared_ptr<const ProgressLine*> on_line = std::make_shared<const ProgressLine*>(nullptr));
   /// Ends a line that was left in the middle.
   ~ProgressLine() override;
   ProgressLine(const ProgressLine&) = delete;
@@ -89,9 +91,6 @@ class ProgressLine : public jobs::Listener::Stage {
 
   /// Counts so much, done by an earlier run, as done, but not for rate and time left.
   void skip(std::uint64_t done) override { skipped_ = done; }
-
-  /// Prints "alidade: TEXT" on a line of its own while the task is running.
-  void interject(const std::string& text);
 
   /// Prints that the task is done, and its rate.
   void finish() override;
@@ -104,7 +103,8 @@ class ProgressLine : public jobs::Listener::Stage {
 
   std::string task_, unit_;
   Verbosity verbosity_;
-  bool on_terminal_, line_open_ = false;
+  bool on_terminal_;
+  std::shared_ptr<const ProgressLine*> on_line_;
   std::uint64_t done_ = 0, total_ = 0, skipped_ = 0;
   int last_tenth_ = 0;
   Clock::time_point start_, last_shown_;
@@ -124,20 +124,26 @@ auto with_progress(std::string task, std::string unit, Verbosity verbosity, cons
   }
 }
 
-/// Who runs a command from a terminal or a script: prints what jobs say.
+/// Who runs a command from a terminal or a script: prints what jobs say, on lines of their own, also while a
+/// stage is under way.
 class Console : public jobs::Listener {
  public:
   explicit Console(Verbosity verbosity) : verbosity_(verbosity) {}
 
-  void note(std::string_view text) override { say_note(verbosity_, text); }
+  void note(std::string_view text) override;
   void warn(std::string_view text) override;
-  void warn_always(std::string_view text) override { say_warning(text); }
+  void warn_always(std::string_view text) override;
+  void detail(std::string_view text) override;
   bool is_listening() const override { return verbosity_ != Verbosity::quiet; }
   std::unique_ptr<Stage> begin(std::string task, std::string unit) override;
   bool stops() const override { return interrupted(); }
 
  private:
+  /// Clears a line of progress, which is printed again.
+  void begin_line();
+
   Verbosity verbosity_;
+  std::shared_ptr<const ProgressLine*> on_line_ = std::make_shared<const ProgressLine*>(nullptr);
 };
 
 }  // namespace alidade::tools

@@ -20,9 +20,9 @@
 
 #include "base/error.h"
 #include "cloud/cloud_inputs.h"
-#include "jobs/checkpoint_request.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/fields.h"
+#include "jobs/long_run.h"
 #include "jobs/outputs.h"
 #include "tools/console.h"
 #include "tools/manual_page.h"

@@ -7,7 +7,7 @@
 
 #include "base/scratch_file.h"
 #include "cloud/read_cloud.h"
-#include "jobs/checkpoint_request.h"
+#include "jobs/long_run.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"

@@ -18,8 +18,8 @@
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
-#include "jobs/visibility/long_run.h"
 #include "jobs/visibility/observer_request.h"
+#include "jobs/visibility/run_fingerprint.h"
 #include "jobs/write_points.h"
 #include "visibility/photos/photo_file.h"
 
@@ -27,12 +27,6 @@ namespace alidade::jobs {
 namespace {
 
 namespace fs = std::filesystem;
-
-camera::CameraSet read_photo_cameras(const PhotosRequest& request) {
-  camera::CameraFileOptions options{.lens = {}, .original_world = request.original_world};
-  if (!request.lens.empty()) options.lens = camera::read_camera(request.lens);
-  return read_camera_file(request.cameras, request.names, options);
-}
 
 /// Reads the photo of the camera of that index.
 using PhotoReader = std::function<image::PhotoPixels(std::size_t photo)>;
@@ -144,14 +138,14 @@ PhotoReader photos_in_e57(const fs::path& file, std::span<const camera::NamedCam
 /// The reader of photos; empty without --colorize.
 PhotoReader find_photos(const PhotosRequest& request, std::span<const camera::NamedCamera> cameras) {
   if (!request.colorize) return {};
-  return request.photos.empty() ? photos_in_e57(request.cameras, cameras)
+  return request.photos.empty() ? photos_in_e57(request.cameras.file, cameras)
                                 : photos_in_folder(request.photos, cameras);
 }
 
 /// check_photos(), with the file of the cameras in its errors.
 void check_cameras(const PhotosRequest& request, const Octree& octree,
                    std::span<const camera::NamedCamera> cameras) {
-  with_file(request.cameras.string(),
+  with_file(request.cameras.file.string(),
             [&] { visibility::check_photos(octree, cameras, request.max_distance); });
 }
 
@@ -220,10 +214,10 @@ void write(const PhotosRequest& request, const VisibilityCloud& cloud,
 void add_photos(const Fields& fields, PhotosRequest& photos) {
   const Fields group = fields.group("Photos");
   group.required().file("--camera", "FILE|FOLDER", "cameras of the photos: " + k_camera_files,
-                        photos.cameras);
+                        photos.cameras.file);
   group.text("--camera-name", "NAME", "only this camera, by the name of its photo; repeatable (default: all)",
-             photos.names);
-  add_camera_reading(group, "", photos.lens, photos.original_world);
+             photos.cameras.names);
+  add_camera_reading(group, "", photos.cameras);
   group.file("--photos", "FOLDER",
              "folder of the photos, for --colorize (default: those inside the E57 file of --camera)",
              photos.photos);
@@ -271,14 +265,14 @@ void add_photos_fields(const Fields& fields, PhotosRequest& request) {
 PhotosPlan plan(const PhotosRequest& request) {
   if (!request.output.empty()) check_points_name(request.output);
   if (!request.footprints.empty()) geo::check_geopackage_name(request.footprints);
-  if (request.colorize && request.photos.empty() && !camera::is_e57(request.cameras)) {
+  if (request.colorize && request.photos.empty() && !camera::is_e57(request.cameras.file)) {
     throw input_error("--colorize requires the photos",
                       "--photos FOLDER, or an E57 file with photos for --camera");
   }
-  PlannedWork work = request.work({request.cameras, request.lens}, {request.footprints});
+  PlannedWork work = request.work({request.cameras.file, request.cameras.lens}, {request.footprints});
   check_outputs(work, request.overwrite);
   check_checkpoint(request.checkpoint, request.overwrite, work);
-  return PhotosPlan({request, read_photo_cameras(request)}, std::move(work));
+  return PhotosPlan({request, read_camera_file(request.cameras)}, std::move(work));
 }
 
 PhotosResult run(const PhotosPlan& plan, Listener& listener) {

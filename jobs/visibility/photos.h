@@ -10,9 +10,10 @@
 
 #include "camera/camera_set.h"
 #include "cloud/crs.h"
-#include "jobs/checkpoint_request.h"
+#include "jobs/camera_file.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/long_run.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "jobs/write_points.h"
 #include "visibility/photos/photo_visibility.h"
@@ -21,12 +22,9 @@ namespace alidade::jobs {
 
 /// Which photos see which points, and their footprints.
 struct PhotosRequest : VisibilityRequest {
-  std::filesystem::path cameras;
-  std::filesystem::path lens;        ///< of a trajectory; empty: none
-  std::filesystem::path photos;      ///< empty: those in `cameras`
+  CameraFileRequest cameras;
+  std::filesystem::path photos;      ///< empty: those in the file of `cameras`
   std::filesystem::path footprints;  ///< empty: none
-  std::vector<std::string> names;    ///< of the cameras; empty: all
-  bool original_world = false;       ///< CameraFileOptions::original_world
   bool colorize = false;
   double max_distance = std::numeric_limits<double>::infinity();
   std::optional<double> footprint_cell;

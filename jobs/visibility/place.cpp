@@ -13,8 +13,8 @@
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
-#include "jobs/visibility/long_run.h"
 #include "jobs/visibility/row_output.h"
+#include "jobs/visibility/run_fingerprint.h"
 #include "visibility/points/coverage_image.h"
 
 namespace alidade::jobs {
@@ -142,7 +142,7 @@ PlaceResult run(const PlacePlan& plan, Listener& listener) {
   measure_occluders(*cloud, request.occluders, listener);
   say_observer_remarks(candidates, *cloud, listener);
   listener.note(fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
-  LongRun long_run(request.checkpoint, *cloud, candidates, listener);
+  VisibilityRun long_run(request.checkpoint, *cloud, candidates, listener);
   const double height = request.target_height.value_or(0.0);
   const visibility::Coverage coverage =
       long_run.work("testing visibility", "lines of sight", [&](const auto& progress, PartCheckpoint* parts) {

@@ -15,7 +15,7 @@
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
-#include "jobs/visibility/long_run.h"
+#include "jobs/visibility/run_fingerprint.h"
 #include "jobs/write_points.h"
 
 namespace alidade::jobs {
@@ -205,7 +205,7 @@ PointsResult run(const PointsPlan& plan, Listener& listener) {
     listener.note(fmt::format("{} observers exceed the {} bits of VisibleBy; use --lists FILE",
                               observers.size(), visibility::k_most_mask_observers));
   }
-  LongRun long_run(request.checkpoint, *cloud, observers, listener);
+  VisibilityRun long_run(request.checkpoint, *cloud, observers, listener);
   std::optional<SeenList> list;
   if (!request.lists.empty()) {
     list.emplace(request.lists, request.overwrite);

@@ -13,7 +13,7 @@
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
-#include "jobs/visibility/long_run.h"
+#include "jobs/visibility/run_fingerprint.h"
 #include "visibility/objects.h"
 #include "visibility/raster/map_image.h"
 #include "visibility/raster/map_targets.h"

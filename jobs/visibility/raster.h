@@ -9,9 +9,9 @@
 
 #include "cloud/crs.h"
 #include "geo/raster.h"
-#include "jobs/checkpoint_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/long_run.h"
 #include "jobs/plan.h"
 #include "jobs/visibility/map_request.h"
 #include "jobs/visibility/observer_request.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "jobs/cloud_fields.h"
-#include "jobs/visibility/long_run.h"
+#include "jobs/long_run.h"
 #include "jobs/write_points.h"
 #include "visibility/sky/sky_of_cloud.h"
 

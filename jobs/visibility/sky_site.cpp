@@ -10,8 +10,8 @@
 #include "geo/raster_file.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
-#include "jobs/visibility/long_run.h"
 #include "jobs/visibility/observer_request.h"
+#include "jobs/visibility/run_fingerprint.h"
 
 namespace alidade::jobs {
 

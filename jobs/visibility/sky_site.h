@@ -11,9 +11,9 @@
 
 #include "base/fingerprint.h"
 #include "geo/raster.h"
-#include "jobs/checkpoint_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/long_run.h"
 #include "jobs/visibility/map_request.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "visibility/raster/ground.h"

@@ -9,8 +9,8 @@
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
-#include "jobs/visibility/long_run.h"
 #include "jobs/visibility/row_output.h"
+#include "jobs/visibility/run_fingerprint.h"
 #include "visibility/points/point_visibility.h"
 
 namespace alidade::jobs {
@@ -73,7 +73,7 @@ SummaryResult run(const SummaryPlan& plan, Listener& listener) {
   visibility::check_point_visibility(cloud->octree().size(), observers.size(), {});
   measure_occluders(*cloud, request.occluders, listener);
   say_observer_remarks(observers, *cloud, listener);
-  LongRun long_run(request.checkpoint, *cloud, observers, listener);
+  VisibilityRun long_run(request.checkpoint, *cloud, observers, listener);
   visibility::SummaryOptions options = request.summary;
   options.classes = cloud->columns.classifications;
   std::vector<visibility::ObserverSummary> summaries = long_run.test_visibility(

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "cloud/crs.h"
-#include "jobs/checkpoint_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
+#include "jobs/long_run.h"
 #include "jobs/plan.h"
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/visibility_cloud.h"

@@ -10,7 +10,8 @@
 #include "base/fingerprint.h"
 #include "base/input_file.h"
 #include "base/words.h"
-#include "jobs/visibility/long_run.h"
+#include "jobs/cloud_fields.h"
+#include "jobs/visibility/run_fingerprint.h"
 
 namespace alidade::jobs {
 namespace {

@@ -171,7 +171,8 @@ void add_occluder_fields(const Fields& fields, OccluderRequest& request) {
   group.count("--transparency", "K",
               "block a line at this number of separate crossings (default: 1); more looks through foliage",
               request.options.transparency, 1, 1000);
-  add_mesh_field(group, "that block at their first crossing", request.meshes);
+  add_mesh_field(group, "that block at their first crossing",
+                 [&request](const std::string& file) { request.meshes.emplace_back(file); });
   group.file(
       "--terrain", "FILE",
       "elevation raster (GeoTIFF or another format of GDAL) in the reference system of the cloud, whose "

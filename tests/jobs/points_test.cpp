@@ -143,7 +143,7 @@ TEST_F(PointsJobTest, photos_have_cameras_and_what_they_see) {
       << R"({"version":1,"model":"pinhole","width":60,"height":40,"intrinsics":{"vertical_fov":60},)"
       << R"("pose":{"look_at":{"eye":[690005,5325002,603],"target":[690005,5325015,600],"up":[0,0,1]}}})";
   auto photos = request<jobs::PhotosRequest>();
-  photos.cameras = folder / "north.json";
+  photos.cameras.file = folder / "north.json";
   photos.output = folder / "seen.las";
   const jobs::PhotosPlan checked = plan(photos);
   EXPECT_EQ(checked.request().camera_set.cameras.size(), 1u);

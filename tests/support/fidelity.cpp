@@ -101,8 +101,8 @@ compare::ComparedImage displayed(const image::Film& film, double exposure) {
 
 }  // namespace
 
-const std::shared_ptr<const tools::SiteSurfaces>& exact_courtyard() {
-  static const auto site = std::make_shared<const tools::SiteSurfaces>(simulation::courtyard(), "courtyard");
+const std::shared_ptr<const jobs::SiteSurfaces>& exact_courtyard() {
+  static const auto site = std::make_shared<const jobs::SiteSurfaces>(simulation::courtyard(), "courtyard");
   return site;
 }
 

@@ -47,13 +47,15 @@ TEST(progress_line, what_was_done_before_is_not_counted_as_the_work_of_now) {
   EXPECT_EQ(log.rfind("counting: 40 sheep in ", 0), 0u) << log;
 }
 
-TEST(progress_line, a_remark_has_a_line_of_its_own) {
+TEST(progress_line, a_note_during_a_stage_has_a_line_of_its_own) {
   ::testing::internal::CaptureStderr();
   {
-    ProgressLine line("counting", "sheep", Verbosity::normal);
-    EXPECT_TRUE(line.callback()(50, 100));
-    line.interject("one is black");
-    line.finish();
+    Console console(Verbosity::normal);
+    const auto stage = console.begin("counting", "sheep");
+    EXPECT_TRUE(stage->callback()(50, 100));
+    console.note("one is black");
+    console.detail("it is called Bert");
+    stage->finish();
   }
   const std::string log = ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(log.rfind("alidade: one is black\ncounting: ", 0), 0u) << log;

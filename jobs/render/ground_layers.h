@@ -2,14 +2,12 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "cloud/cloud_inputs.h"
-#include "renderer/render.h"
-#include "tools/render/views.h"
+#include "jobs/render/views.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// Layers of an orthophoto beside its colours, one value per cell.
 enum class GroundLayer {
@@ -33,14 +31,14 @@ struct GroundLayers {
   std::vector<std::filesystem::path> files(const std::filesystem::path& output) const;
 };
 
-/// Writes the layers as cloud-optimised GeoTIFFs (geo/raster_file.h) of the view, an orthophoto's: elevations
-/// and densities as float with nodata NaN, intensities as uint16 with nodata 0, classes as uint8 with nodata
-/// 255, counts as uint32. `empty` gets the view if it sees no point; warns of attributes with equal values
-/// for all points. Reads the attributes of the clouds again. Errors: the cloud lacks an attribute; those of
-/// write_raster().
+/// Writes the layers as cloud-optimised GeoTIFFs (geo/raster_file.h) of the view, an orthophoto's, into
+/// files(scene.output.file): elevations and densities as float with nodata NaN, intensities as uint16 with
+/// nodata 0, classes as uint8 with nodata 255, counts as uint32. `empty` gets the view if it sees no point;
+/// warns of attributes with equal values for all points. Reads the attributes of the clouds again. Errors:
+/// the cloud lacks an attribute; those of write_raster().
 void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scene,
-                         const renderer::LoadedCloud& cloud, const CloudInputs& clouds, const View& view,
-                         const std::filesystem::path& output, bool overwrite, EmptyViews& empty,
-                         Verbosity verbosity);
+                         const renderer::LoadedCloud& cloud, const CloudInputs& clouds,
+                         const camera::NamedCamera& view, bool overwrite, EmptyViews& empty,
+                         Listener& listener);
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -2,15 +2,14 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include "tools/render/views.h"
+#include "jobs/render/views.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// A flight through the cloud, and the video that its images become.
 struct FlightRequest {
@@ -18,23 +17,22 @@ struct FlightRequest {
   std::filesystem::path keyframes;  ///< camera file; empty: none
   int frames = 150;
   double rate = 25.0;          ///< images per second
-  std::filesystem::path file;  ///< the video; empty: only images
+  std::filesystem::path file;  ///< the video, which take_video() fills in; empty: only images
 
   bool given() const { return orbits || !keyframes.empty(); }
 };
 
 /// Declares --orbit, --keyframes, --frames and --frame-rate.
-void add_flight_options(const Fields& render, FlightRequest& request);
+void add_flight_fields(const Fields& fields, FlightRequest& request);
 
 /// Removes a folder at the end of its life if it is empty: that of a video's images, if none was made.
 struct EmptyFolder {
-  std::filesystem::path folder;  ///< empty: none
+  std::filesystem::path folder;
 
-  EmptyFolder() = default;
   explicit EmptyFolder(std::filesystem::path path) : folder(std::move(path)) {}
   ~EmptyFolder() {
     std::error_code error;
-    if (!folder.empty()) std::filesystem::remove(folder, error);
+    std::filesystem::remove(folder, error);
   }
   EmptyFolder(const EmptyFolder&) = delete;
   EmptyFolder& operator=(const EmptyFolder&) = delete;
@@ -44,20 +42,21 @@ struct EmptyFolder {
 /// it by the pattern of its images, "yard_frames/%05d.png" for yard.mp4, whose folder is created. Errors: a
 /// flight beside other cameras; a video without a flight; the file exists; odd width or height, which players
 /// do not show.
-void take_video(FlightRequest& request, const CameraRequest& camera, std::filesystem::path& output,
+void take_video(FlightRequest& request, const ViewsRequest& views, std::filesystem::path& output,
                 bool overwrite);
 
-/// The images' cameras, through keyframes.
-std::vector<View> flight_views(const FlightRequest& request, std::span<const View> keyframes);
+/// The cameras of the images, through keyframes.
+std::vector<camera::NamedCamera> flight_views(const FlightRequest& request,
+                                              std::span<const camera::NamedCamera> keyframes);
 
-/// The cameras of an orbit around the whole cloud, or the one of view_of_cloud(). Errors: as there.
-std::vector<View> views_of_cloud(const CameraRequest& camera, const FlightRequest& request,
-                                 const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
-                                 const std::filesystem::path& scene_file);
+/// The cameras of an orbit around the whole cloud. Errors: as seen_bounds().
+std::vector<camera::NamedCamera> orbit_views(const FlightRequest& request, const ViewsRequest& views,
+                                             const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                                             const std::filesystem::path& scene_file);
 
 /// Makes the video with the program ffmpeg and removes its images. If ffmpeg is not installed, the images
-/// stay and the command that joins them is printed. Errors: ffmpeg fails.
+/// stay, and a warning has the command that joins them. Errors: ffmpeg fails.
 void write_video(const FlightRequest& request, std::span<const std::filesystem::path> images,
-                 const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity);
+                 const std::filesystem::path& pattern, bool overwrite, Listener& listener);
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

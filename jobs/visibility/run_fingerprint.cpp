@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "jobs/visibility/long_run.h"
+#include "jobs/visibility/run_fingerprint.h"
 
 #include <fmt/format.h>
 #include <array>
 
-#include "base/error.h"
-#include "base/output_file.h"
-#include "base/remote_map.h"
-#include "jobs/outputs.h"
+#include "base/checkpoint.h"
 
 namespace alidade::jobs {
 namespace {
@@ -59,34 +56,6 @@ std::string crs_checksum(const Crs& crs) {
 
 }  // namespace
 
-std::string wrote_text(const JobRequest& request) {
-  return request.output.empty() ? "" : "; wrote " + request.output.string();
-}
-
-void check_checkpoint(const CheckpointRequest& request, bool overwrite, PlannedWork& work) {
-  if (request.file.empty()) return;
-  if (!request.fields)
-    throw input_error("a checkpoint of a request without fields", "add_checkpoint_fields() for the request");
-  std::error_code error;
-  for (const std::filesystem::path& output : work.writes) {
-    if (!output.empty() && same_file(request.file, output))
-      throw file_error(request.file, "two outputs have this name", "another name");
-  }
-  const bool is_there = std::filesystem::exists(request.file, error);
-  if (is_there && !request.resume && !overwrite)
-    throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
-  if (!overwrite) check_links(request.file);
-  check_outputs({work.clouds, work.reads, {request.file}}, true);
-  // Another file would be replaced, and removed in the end.
-  if (is_there && !is_parts_file(request.file)) {
-    throw Error({.file = request.file.string(),
-                 .location = "byte 0",
-                 .problem = "not a visibility checkpoint",
-                 .expected = "a checkpoint, or the name of a file that does not exist"});
-  }
-  work.writes.push_back(request.file);
-}
-
 Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud) {
   Fingerprint fingerprint{{"command", request.fields->name()},
                           {"version of answers", std::to_string(visibility::k_answers_version)}};
@@ -132,50 +101,6 @@ void add_to_fingerprint(const geo::RasterGrid& grid, Fingerprint& fingerprint) {
 
 void add_to_fingerprint(const std::string& name, std::span<const double> numbers, Fingerprint& fingerprint) {
   fingerprint.push_back({name, fmt::format("{:016x}", checksum(std::as_bytes(numbers)))});
-}
-
-LongRun::LongRun(const CheckpointRequest& request, const std::function<Fingerprint()>& fingerprint,
-                 Listener& listener)
-    : listener_(listener) {
-  if (request.file.empty()) return;
-  const std::string name = request.file.string();
-  PartsOptions options{.file = request.file,
-                       .interval = request.interval,
-                       .resume = request.resume,
-                       .failed = checkpoint_warning(listener)};
-  parts_.emplace(std::move(options), fingerprint());
-  if (!request.resume) return;
-  if (parts_->is_kept()) {
-    listener.note(fmt::format("resuming from {}: {:.0f} % of the work is done", name,
-                              100.0 * static_cast<double>(parts_->finished()) /
-                                  static_cast<double>(std::max<std::uint64_t>(parts_->count(), 1))));
-  } else {
-    listener.note(fmt::format("no checkpoint {}: starting from the beginning", name));
-  }
-}
-
-LongRun::LongRun(const CheckpointRequest& request, const VisibilityCloud& cloud,
-                 std::span<const visibility::Observer> observers, Listener& listener)
-    : LongRun(
-          request, [&] { return run_fingerprint(request, cloud, observers); }, listener) {}
-
-LongRun::~LongRun() {
-  if (!parts_ || !parts_->is_kept()) return;
-  parts_->flush();
-  if (parts_->finished() == 0) return;
-  say_how_to_resume(listener_, parts_->name());
-}
-
-Progress LongRun::progress(Listener::Stage& stage) {
-  return [this, &stage, report = stage.callback()](std::uint64_t done, std::uint64_t total) {
-    if (parts_ && !parts_->has_begun()) stage.skip(done);
-    return report(done, total);
-  };
-}
-
-void LongRun::finish() {
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
-  if (parts_) parts_->remove();
 }
 
 }  // namespace alidade::jobs

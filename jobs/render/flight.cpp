@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/render/flight.h"
+#include "jobs/render/flight.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,7 +17,7 @@
 
 extern char** environ;
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 bool is_video(const std::filesystem::path& file) {
@@ -42,10 +42,17 @@ std::optional<int> run_encoder(const std::vector<std::string>& words) {
   return code == 127 ? std::nullopt : std::optional(code);
 }
 
+/// The views of cameras, which are numbered.
+std::vector<camera::NamedCamera> numbered(std::vector<camera::Camera> cameras) {
+  std::vector<camera::NamedCamera> views;
+  for (camera::Camera& each : cameras) views.push_back({fmt::format("{:05}", views.size()), std::move(each)});
+  return views;
+}
+
 }  // namespace
 
-void add_flight_options(const Fields& render, FlightRequest& request) {
-  const Fields group = render.group("Flights");
+void add_flight_fields(const Fields& fields, FlightRequest& request) {
+  const Fields group = fields.group("Flights");
   const Field orbit = group.flag(
       "--orbit", "fly once around the whole cloud: images for -o yard_%04d.png, or a video for -o yard.mp4",
       request.orbits);
@@ -59,16 +66,16 @@ void add_flight_options(const Fields& render, FlightRequest& request) {
                240.0);
 }
 
-void take_video(FlightRequest& request, const CameraRequest& camera, std::filesystem::path& output,
+void take_video(FlightRequest& request, const ViewsRequest& views, std::filesystem::path& output,
                 bool overwrite) {
-  if (request.given() && (!camera.file.empty() || camera.panorama || camera.from_above))
+  if (request.given() && (!views.file.empty() || views.panorama || views.from_above))
     throw input_error("--orbit and --keyframes are cameras of their own",
                       "no --camera, --panorama and --orthographic beside them");
   if (!is_video(output)) return;
   if (!request.given()) throw file_error(output, "a video requires a flight", "--orbit, or --keyframes FILE");
-  if (camera.size && (camera.size->width % 2 != 0 || camera.size->height % 2 != 0))
+  if (views.size && (views.size->width % 2 != 0 || views.size->height % 2 != 0))
     throw file_error(output, "the size of a video must be even", "an even --size such as 1280x720",
-                     fmt::format("{}x{}", camera.size->width, camera.size->height));
+                     fmt::format("{}x{}", views.size->width, views.size->height));
   check_output(output, overwrite);
   request.file = output;
   const std::filesystem::path folder = output.parent_path() / (output.stem().string() + "_frames");
@@ -78,36 +85,30 @@ void take_video(FlightRequest& request, const CameraRequest& camera, std::filesy
   output = folder / "%05d.png";
 }
 
-std::vector<View> flight_views(const FlightRequest& request, std::span<const View> keyframes) {
+std::vector<camera::NamedCamera> flight_views(const FlightRequest& request,
+                                              std::span<const camera::NamedCamera> keyframes) {
   if (keyframes.size() < 2)
     throw file_error(request.keyframes, "a flight requires two keyframes",
                      "more cameras, or --camera for images");
   std::vector<camera::Camera> cameras;
-  for (const View& view : keyframes) cameras.push_back(view.camera);
-  std::vector<View> views;
-  for (camera::Camera& camera : camera::cameras_between(cameras, request.frames))
-    views.push_back({fmt::format("{:05}", views.size()), std::move(camera)});
-  return views;
+  for (const camera::NamedCamera& each : keyframes) cameras.push_back(each.camera);
+  return numbered(camera::cameras_between(cameras, request.frames));
 }
 
-std::vector<View> views_of_cloud(const CameraRequest& camera, const FlightRequest& request,
-                                 const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
-                                 const std::filesystem::path& scene_file) {
-  if (!request.orbits) return {view_of_cloud(camera, scene, cloud, scene_file)};
-  const ImageSize size = request.file.empty() ? camera.size.value_or(ImageSize{1200, 800})
-                                              : camera.size.value_or(ImageSize{1280, 720});
+std::vector<camera::NamedCamera> orbit_views(const FlightRequest& request, const ViewsRequest& views,
+                                             const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                                             const std::filesystem::path& scene_file) {
+  const ImageSize size =
+      views.size.value_or(request.file.empty() ? ImageSize{1200, 800} : ImageSize{1280, 720});
   const Bounds seen = seen_bounds(scene, cloud, scene_file);
   std::vector<glm::dvec3> positions;
   if (cloud != nullptr) positions = renderer::visible_positions(*cloud);
   if (positions.empty()) std::ranges::copy(corners(seen), std::back_inserter(positions));
-  std::vector<View> views;
-  for (camera::Camera& each : camera::orbit_cameras(positions, size.width, size.height, request.frames))
-    views.push_back({fmt::format("{:05}", views.size()), std::move(each)});
-  return views;
+  return numbered(camera::orbit_cameras(positions, size.width, size.height, request.frames));
 }
 
 void write_video(const FlightRequest& request, std::span<const std::filesystem::path> images,
-                 const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity) {
+                 const std::filesystem::path& pattern, bool overwrite, Listener& listener) {
   if (request.file.empty()) return;
   // Beside the video, which appears under its name only when it is complete.
   const std::filesystem::path unfinished =
@@ -122,7 +123,7 @@ void write_video(const FlightRequest& request, std::span<const std::filesystem::
   if (!code) {
     words.back() = request.file.string();
     for (std::string& word : words) word = shell_word(word);
-    say_warning(fmt::format(
+    listener.warn_always(fmt::format(
         "no video: the program ffmpeg is not installed; the {} images are {}, and this joins them: {}",
         images.size(), pattern.string(), fmt::join(words, " ")));
     return;
@@ -135,8 +136,8 @@ void write_video(const FlightRequest& request, std::span<const std::filesystem::
   for (const std::filesystem::path& image : images) std::filesystem::remove(image);
   std::error_code not_empty;
   std::filesystem::remove(pattern.parent_path(), not_empty);
-  say_note(verbosity, fmt::format("wrote {}, {} images of {:.1f} s", request.file.string(), images.size(),
-                                  static_cast<double>(images.size()) / request.rate));
+  listener.note(fmt::format("wrote {}, {} images of {:.1f} s", request.file.string(), images.size(),
+                            static_cast<double>(images.size()) / request.rate));
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -8,7 +8,7 @@
 #include "renderer/scene.h"
 #include "simulation/site.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 
 /// The exact surfaces of a site, instead of a scan of them, as part of a scene. Cost: about half a
 /// microsecond per ray.
@@ -34,4 +34,4 @@ class SiteSurfaces final : public renderer::Surfaces {
   const std::string name_;
 };
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

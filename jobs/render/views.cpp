@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/render/views.h"
+#include "jobs/render/views.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -7,13 +7,10 @@
 #include <variant>
 
 #include "base/error.h"
-#include "camera/camera_json.h"
-#include "jobs/camera_file.h"
 #include "renderer/overview.h"
-#include "renderer/read_scene.h"
 #include "visibility/photos/photo_visibility.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 constexpr double k_largest_coordinate = 1e12;
@@ -25,18 +22,6 @@ std::array<double, count> parse_coordinates(const std::string& text) {
   for (std::size_t i = 0; i < count; ++i)
     numbers[i] = parse_number(words[i], -k_largest_coordinate, k_largest_coordinate);
   return numbers;
-}
-
-std::vector<View> views_of_file(const CameraRequest& request, const renderer::Scene& scene,
-                                std::vector<std::string>& warnings) {
-  camera::CameraFileOptions options{.lens = scene.camera, .original_world = request.original_world};
-  if (!request.lens_file.empty()) options.lens = camera::read_camera(request.lens_file);
-  camera::CameraSet set = jobs::read_camera_file(
-      request.file, request.name.empty() ? std::vector<std::string>() : std::vector{request.name}, options);
-  warnings = std::move(set.warnings);
-  std::vector<View> views;
-  for (camera::NamedCamera& each : set.cameras) views.push_back({std::move(each.name), each.camera});
-  return views;
 }
 
 /// A parsed pattern: text, one field, text.
@@ -114,23 +99,20 @@ Bounds model_bounds(const renderer::Scene& scene) {
 }
 
 /// "camera 'a.jpg' sees nothing", "2 cameras see nothing: 'a.jpg', 'b.jpg'".
-std::string names_of(std::span<const View> views) {
-  if (views.size() == 1 && views.front().name.empty()) return "the camera sees nothing";
-  if (views.size() == 1) return fmt::format("camera '{}' sees nothing", views.front().name);
-  std::vector<std::string> names;
-  for (const View& view : views) names.push_back(view.name);
-  return fmt::format("{} cameras see nothing: {}", views.size(), jobs::some_names(names));
+std::string text_of(std::span<const std::string> names) {
+  if (names.size() == 1 && names.front().empty()) return "the camera sees nothing";
+  if (names.size() == 1) return fmt::format("camera '{}' sees nothing", names.front());
+  return fmt::format("{} cameras see nothing: {}", names.size(), some_names(names));
 }
 
 /// The reason if it is known; else empty.
-std::string reason_of(std::span<const View> views, const Octree& octree) {
-  std::vector<camera::NamedCamera> cameras;
-  for (const View& view : views)
-    if (!std::holds_alternative<camera::OrthographicLens>(view.camera.lens))
-      cameras.push_back({.name = view.name, .camera = view.camera});
-  if (cameras.empty() || octree.size() == 0) return "";
+std::string reason_of(std::vector<camera::NamedCamera> views, const Octree& octree) {
+  std::erase_if(views, [](const camera::NamedCamera& view) {
+    return std::holds_alternative<camera::OrthographicLens>(view.camera.lens);
+  });
+  if (views.empty() || octree.size() == 0) return "";
   try {
-    visibility::check_photos(octree, cameras);
+    visibility::check_photos(octree, views);
   } catch (const Error& error) {
     return error.what();
   }
@@ -139,54 +121,52 @@ std::string reason_of(std::span<const View> views, const Octree& octree) {
 
 }  // namespace
 
-void add_camera_options(const Fields& render, CameraRequest& request) {
-  const Field camera = render.file("--camera", "FILE|FOLDER",
-                                   "cameras instead of the scene's: " + jobs::k_camera_files, request.file);
-  render.needs(camera).text("--camera-name", "NAME",
-                            "one of the file's cameras, by the name of its photograph (default: all)",
-                            request.name);
-  jobs::add_camera_reading(render.needs(camera), " (default: the scene's camera)", request.lens_file,
-                           request.original_world);
-  render.number("--near", "METRES",
+void add_views_fields(const Fields& fields, ViewsRequest& request) {
+  const Field camera = fields.file("--camera", "FILE|FOLDER",
+                                   "cameras instead of the scene's: " + k_camera_files, request.file);
+  fields.needs(camera).value("--camera-name", "NAME",
+                             "one of the file's cameras, by the name of its photograph (default: all)",
+                             [&request](const std::string& name) { request.names = {name}; });
+  add_camera_reading(fields.needs(camera), " (default: the scene's camera)", request);
+  fields.number("--near", "METRES",
                 "do not show points nearer to the camera, such as the camera positions that some "
                 "photogrammetry writes into its clouds (default: the camera's, else 0)",
                 request.near, 0.0, 1e9);
-  const Field panorama = render.excludes(camera).value(
+  const Field panorama = fields.excludes(camera).value(
       "--panorama", "X,Y,Z", "panorama around a position, north in the centre (default size 2048x1024)",
       [&request](const std::string& text) {
         const auto position = parse_coordinates<3>(text);
         request.panorama.emplace(position[0], position[1], position[2]);
       });
-  const Field above = render.excludes(camera).excludes(panorama).choice(
+  const Field above = fields.excludes(camera).excludes(panorama).choice(
       "--orthographic", "orthophoto with parallel vertical rays, north up; .tif gives a GeoTIFF",
       request.from_above, {{"top", true}});
-  render.excludes(above).value(
+  fields.excludes(above).value(
       "--size", "WxH",
       "width and height in pixels, at most 2^28 in total (default: the camera's, else 1200x800)",
       request.size, parse_image_size);
-  above.needs(render.needs(above).number("--resolution", "METRES",
+  above.needs(fields.needs(above).number("--resolution", "METRES",
                                          "size of a pixel in metres, for --orthographic", request.resolution,
                                          1e-6, 1e6));
-  render.needs(above).value("--extent", "X,Y,X,Y", "bounds of the orthophoto (default: the whole cloud)",
+  fields.needs(above).value("--extent", "X,Y,X,Y", "bounds of the orthophoto (default: the whole cloud)",
                             request.extent, parse_coordinates<4>);
 }
 
-bool is_set(const CameraRequest& request) {
-  return !request.file.empty() && request.name.empty();
-}
-
-std::vector<View> requested_views(const CameraRequest& request, const renderer::Scene& scene,
-                                  std::vector<std::string>& warnings) {
-  std::vector<View> views;
+std::vector<camera::NamedCamera> requested_views(const ViewsRequest& request,
+                                                 const std::optional<camera::Camera>& of_scene,
+                                                 std::vector<std::string>& warnings) {
+  std::vector<camera::NamedCamera> views;
   if (!request.file.empty()) {
-    views = views_of_file(request, scene, warnings);
+    camera::CameraSet set = read_camera_file(request, of_scene);
+    warnings = std::move(set.warnings);
+    views = std::move(set.cameras);
   } else if (request.panorama) {
     const ImageSize size = request.size.value_or(ImageSize{2048, 1024});
     views.push_back({"", camera::panorama_camera(*request.panorama, size.width, size.height)});
-  } else if (scene.camera && !request.from_above) {
-    views.push_back({"", *scene.camera});
+  } else if (of_scene && !request.from_above) {
+    views.push_back({"", *of_scene});
   }
-  for (View& view : views) {
+  for (camera::NamedCamera& view : views) {
     if (request.size) view.camera = camera::resized(view.camera, request.size->width, request.size->height);
     if (request.near) view.camera.near = *request.near;
   }
@@ -209,8 +189,9 @@ Bounds seen_bounds(const renderer::Scene& scene, const renderer::LoadedCloud* cl
   return seen;
 }
 
-View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
-                   const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file) {
+camera::NamedCamera view_of_cloud(const ViewsRequest& request, const renderer::Scene& scene,
+                                  const renderer::LoadedCloud* cloud,
+                                  const std::filesystem::path& scene_file) {
   const Bounds seen = seen_bounds(scene, cloud, scene_file);
   if (!request.from_above) {
     const ImageSize size = request.size.value_or(ImageSize{1200, 800});
@@ -241,7 +222,7 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
 }
 
 std::vector<std::filesystem::path> image_names(const std::filesystem::path& pattern,
-                                               std::span<const View> views) {
+                                               std::span<const camera::NamedCamera> views) {
   const Pattern parts = take_apart(pattern);
   if (parts.field == Pattern::Field::none && views.size() > 1)
     fail(pattern,
@@ -263,18 +244,23 @@ std::vector<std::filesystem::path> image_names(const std::filesystem::path& patt
   return names;
 }
 
-void EmptyViews::check(const View& view, bool sees_anything) {
-  const bool is_known = std::ranges::find(views_, view.name, &View::name) != views_.end();
+void EmptyViews::check(const camera::NamedCamera& view, bool sees_anything) {
+  const bool is_known = std::ranges::find(views_, view.name, &camera::NamedCamera::name) != views_.end();
   if (!is_known && !sees_anything) views_.push_back(view);
 }
 
-ExitCode EmptyViews::report(const CameraRequest& request, const renderer::Scene& scene,
-                            const renderer::LoadedCloud* cloud, Verbosity verbosity) const {
-  if (views_.empty() || (!scene.cloud && scene.objects.empty())) return ExitCode::done;
-  std::string text = request.extent ? "--extent contains no points of the cloud" : names_of(views_);
-  const std::string reason = cloud != nullptr ? reason_of(views_, cloud->octree) : "";
-  say_warnings(verbosity, {reason.empty() ? text : text + "; " + reason});
-  return ExitCode::no;
+std::vector<std::string> EmptyViews::names() const {
+  std::vector<std::string> names;
+  for (const camera::NamedCamera& view : views_) names.push_back(view.name);
+  return names;
 }
 
-}  // namespace alidade::tools
+void EmptyViews::report(const ViewsRequest& request, const renderer::LoadedCloud* cloud,
+                        Listener& listener) const {
+  if (views_.empty()) return;
+  const std::string text = request.extent ? "--extent contains no points of the cloud" : text_of(names());
+  const std::string reason = cloud != nullptr ? reason_of(views_, cloud->octree) : "";
+  listener.warn(reason.empty() ? text : text + "; " + reason);
+}
+
+}  // namespace alidade::jobs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/render/depth_maps.h"
+#include "jobs/render/depth_maps.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -7,16 +7,16 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "base/input_file.h"
 #include "base/output_file.h"
 #include "base/shown_text.h"
 #include "base/words.h"
 #include "image/image_file.h"
+#include "jobs/outputs.h"
 #include "renderer/depth_tracer.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;  // keeps the order of keys
 
 constexpr double k_least_scale = 1e-6, k_largest_scale = 1e9;
 
-image::DepthFormat format_of(const DepthRequest& request) {
+image::DepthFormat depth_format_of(const DepthRequest& request) {
   const image::DepthFormat by_name = image::depth_format(request.file);
   if (request.format.value_or(by_name) == by_name) return by_name;
   const auto& wanted = image::k_depth_formats[static_cast<std::size_t>(*request.format)];
@@ -34,9 +34,9 @@ image::DepthFormat format_of(const DepthRequest& request) {
 }
 
 /// One name per view; one if there are no views yet.
-std::vector<fs::path> names_of(const fs::path& pattern, const CameraRequest& camera,
-                               std::span<const View> views) {
-  return is_set(camera) ? image_names(pattern, views) : std::vector{pattern};
+std::vector<fs::path> map_names(const fs::path& pattern, const ViewsRequest& camera,
+                                std::span<const camera::NamedCamera> views) {
+  return camera.is_set() ? image_names(pattern, views) : std::vector{pattern};
 }
 
 /// The name; empty if the file exists and may stay.
@@ -45,31 +45,9 @@ fs::path due(const fs::path& file, ExistingFiles existing) {
   return existing.skip && fs::exists(file, error) ? fs::path() : file;
 }
 
-/// Errors: two names are those of one file; as check_writable.
-void check_names(const DepthPlan& plan, std::span<const fs::path> inputs, std::span<const fs::path> outputs) {
-  std::set<fs::path> taken;
-  const auto take = [&](const fs::path& file) {
-    std::error_code error;
-    return taken.insert(fs::weakly_canonical(fs::absolute(file, error), error)).second;
-  };
-  for (const fs::path& output : outputs)
-    if (!output.empty()) take(output);
-  std::vector<fs::path> names;
-  for (const DepthJob& job : plan.jobs) {
-    names.push_back(job.file);
-    names.push_back(job.mask);
-  }
-  if (plan.transforms) names.push_back(plan.transforms->output);
-  for (const fs::path& name : names) {
-    if (name.empty()) continue;
-    if (!take(name)) throw file_error(name, "two outputs have this name", "different names");
-    check_writable(name, plan.overwrite, inputs);
-  }
-}
-
 /// The metadata of an image without the settings of light.
-std::vector<std::pair<std::string, std::string>> texts_of(const renderer::ImageMetadata& metadata,
-                                                          const DepthPlan& plan) {
+std::vector<std::pair<std::string, std::string>> depth_texts(const renderer::ImageMetadata& metadata,
+                                                             const DepthPlan& plan) {
   auto texts = renderer::metadata_texts(metadata);
   std::erase_if(texts, [](const auto& text) {
     constexpr std::array<std::string_view, 5> light{"alidade:samples", "alidade:max_bounces", "alidade:seed",
@@ -149,7 +127,7 @@ DepthTransforms read_depth_transforms(const fs::path& input, const fs::path& out
 /// Writes the output: every frame gets `depth_file_path`, relative to the output's folder; all other keys and
 /// their values stay, in their order. `files[i]` is the depth map of `views[i]`; the views are all frames.
 /// The file is written completely or not at all. Errors: it exists and `overwrite` is false; write failures.
-void write_depth_transforms(const DepthTransforms& transforms, std::span<const View> views,
+void write_depth_transforms(const DepthTransforms& transforms, std::span<const camera::NamedCamera> views,
                             std::span<const fs::path> files, bool overwrite) {
   assert(views.size() == files.size());
   const fs::path folder = folder_of(transforms.output);
@@ -164,13 +142,13 @@ void write_depth_transforms(const DepthTransforms& transforms, std::span<const V
 
 }  // namespace
 
-void add_depth_options(const Fields& render, DepthRequest& request) {
-  const Field depth = render.file(
+void add_depth_fields(const Fields& fields, DepthRequest& request) {
+  const Field depth = fields.file(
       "--depth", "FILE",
       "depth map: .png (16 bit), .exr, .npy, .tif or .bin (COLMAP); 0 where there is no point. Without -o no "
       "image is rendered. For a set of cameras with %04d, %s or %f, as -o",
       request.file);
-  const Fields more = render.needs(depth);
+  const Fields more = fields.needs(depth);
   more.choice("--depth-format", "format, for a name with its extension (default: by the extension)",
               request.format,
               {{"exr", image::DepthFormat::exr},
@@ -190,90 +168,86 @@ void add_depth_options(const Fields& render, DepthRequest& request) {
             request.transforms);
 }
 
-DepthPlan plan_depth_maps(const DepthRequest& request, const CameraRequest& camera,
-                          std::span<const View> views, ExistingFiles existing,
+DepthPlan plan_depth_maps(const DepthRequest& request, const ViewsRequest& camera,
+                          std::span<const camera::NamedCamera> views, ExistingFiles existing,
                           std::span<const fs::path> inputs, std::span<const fs::path> outputs) {
   DepthPlan plan;
   if (request.file.empty()) return plan;
-  plan.format = format_of(request);
+  plan.format = depth_format_of(request);
   plan.scale = request.scale.value_or(image::default_depth_scale(plan.format));
   plan.layer = request.layer;
   plan.overwrite = existing.overwrite;
-  plan.views.assign(views.begin(), views.end());
-  plan.files = names_of(request.file, camera, views);
+  plan.files = map_names(request.file, camera, views);
   std::vector<fs::path> masks;
   if (!request.mask.empty()) {
     if (!has_extension(request.mask, {".png"}))
       throw file_error(request.mask, "unknown format of masks", "the extension .png");
-    masks = names_of(request.mask, camera, views);
+    masks = map_names(request.mask, camera, views);
   }
   for (std::size_t i = 0; i < plan.files.size(); ++i) {
-    const DepthJob job{i < views.size() ? views[i] : View(), due(plan.files[i], existing),
-                       masks.empty() ? fs::path() : due(masks[i], existing)};
-    if (!job.file.empty() || !job.mask.empty()) plan.jobs.push_back(job);
+    const DepthMap map{i, due(plan.files[i], existing), masks.empty() ? fs::path() : due(masks[i], existing)};
+    if (!map.file.empty() || !map.mask.empty()) plan.maps.push_back(map);
   }
   if (!request.transforms.empty()) {
-    if (!is_set(camera))
+    if (!camera.is_set())
       throw file_error(request.transforms, "--transforms-out requires all cameras of a transforms.json",
                        "--camera FILE without --camera-name");
     DepthTransforms transforms = read_depth_transforms(camera.file, request.transforms);
     if (!due(request.transforms, existing).empty()) plan.transforms = std::move(transforms);
   }
-  check_names(plan, inputs, outputs);
+  std::vector<fs::path> names;
+  for (const DepthMap& map : plan.maps) names.insert(names.end(), {map.file, map.mask});
+  if (plan.transforms) names.push_back(plan.transforms->output);
+  check_outputs(names, plan.overwrite, inputs, outputs);
   return plan;
 }
 
-void warn_of_spheres(const renderer::Scene& scene, const renderer::LoadedCloud& cloud, Verbosity verbosity) {
-  if (scene.cloud->shape != renderer::PointShape::sphere) return;
-  say_warnings(verbosity, {fmt::format("spheres of radius {:.3g} m make depths too small, at grazing angles "
-                                       "by several radii; --surface disc, without --radius, avoids this",
-                                       cloud.radius)});
-}
-
-void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
-                      const std::function<renderer::ImageMetadata(const View&)>& metadata, EmptyViews& empty,
-                      Verbosity verbosity) {
-  const std::size_t count = plan.jobs.size();
+void write_depth_maps(const DepthPlan& plan, std::span<const camera::NamedCamera> views,
+                      const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                      const std::function<renderer::ImageMetadata(const camera::NamedCamera&)>& metadata,
+                      EmptyViews& empty, Listener& listener) {
+  const std::size_t count = plan.maps.size();
   if (count > 0) {
     const renderer::DepthTracer tracer(scene, cloud);
     std::uint64_t total = 0, done = 0;
-    for (const DepthJob& job : plan.jobs)
-      total += static_cast<std::uint64_t>(job.view.camera.width) *
-               static_cast<std::uint64_t>(job.view.camera.height);
-    ProgressLine line(count == 1 ? "tracing depth" : fmt::format("tracing depth of {} images", count), "rays",
-                      verbosity);
-    const Progress progress = line.callback();
+    for (const DepthMap& map : plan.maps) {
+      const camera::Camera& camera = views[map.view].camera;
+      total += static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
+    }
+    const auto stage = listener.begin(
+        count == 1 ? "tracing depth" : fmt::format("tracing depth of {} images", count), "rays");
+    const Progress progress = stage->callback();
     image::DepthLoss loss;
-    for (const DepthJob& job : plan.jobs) {
+    for (const DepthMap& map : plan.maps) {
       const image::Film film =
-          tracer.trace(job.view.camera, plan.layer,
+          tracer.trace(views[map.view].camera, plan.layer,
                        [&](std::uint64_t rays, std::uint64_t) { return progress(done + rays, total); });
       const std::vector<float>& depths = plan.layer == image::Layer::depth ? film.depth : film.distance;
       done += film.count();
       bool sees_anything = film.sees_anything();
-      if (!job.file.empty()) {
+      if (!map.file.empty()) {
         const std::vector<float> values = image::depth_values(depths, plan.format, plan.scale, loss);
         sees_anything = std::ranges::any_of(values, [](float depth) { return depth != 0.0f; });
         image::write_depth_map(values, film.width, film.height, plan.format,
-                               texts_of(metadata(job.view), plan), job.file, plan.overwrite);
+                               depth_texts(metadata(views[map.view]), plan), map.file, plan.overwrite);
       }
-      if (!job.mask.empty())
-        image::write_depth_mask(depths, film.width, film.height, job.mask, plan.overwrite);
-      empty.check(job.view, sees_anything);
+      if (!map.mask.empty())
+        image::write_depth_mask(depths, film.width, film.height, map.mask, plan.overwrite);
+      empty.check(views[map.view], sees_anything);
     }
-    line.finish();
-    say_warnings(verbosity, warnings_about(loss, plan));
-    const auto written = [](const DepthJob& job) {
-      return (job.file.empty() ? job.mask : job.file).string();
+    stage->finish();
+    warn_all(listener, warnings_about(loss, plan));
+    const auto written = [](const DepthMap& map) {
+      return (map.file.empty() ? map.mask : map.file).string();
     };
-    say_note(verbosity, count == 1 ? fmt::format("wrote {}", written(plan.jobs.front()))
-                                   : fmt::format("wrote {} to {}", written(plan.jobs.front()),
-                                                 written(plan.jobs.back())));
+    listener.note(count == 1
+                      ? fmt::format("wrote {}", written(plan.maps.front()))
+                      : fmt::format("wrote {} to {}", written(plan.maps.front()), written(plan.maps.back())));
   }
   if (!plan.transforms) return;
-  write_depth_transforms(*plan.transforms, plan.views, plan.files, plan.overwrite);
-  say_note(verbosity, fmt::format("wrote {}: depths are in units of {:g} m", plan.transforms->output.string(),
-                                  1.0 / plan.scale));
+  write_depth_transforms(*plan.transforms, views, plan.files, plan.overwrite);
+  listener.note(fmt::format("wrote {}: depths are in units of {:g} m", plan.transforms->output.string(),
+                            1.0 / plan.scale));
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/render/ground_layers.h"
+#include "jobs/render/ground_layers.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -11,8 +11,9 @@
 #include "cloud/read_cloud.h"
 #include "geo/raster_file.h"
 #include "octree/tree_walk.h"
+#include "renderer/render.h"
 
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 /// The cells of an orthophoto. Source: camera::orthophoto_camera(), whose position is the upper left corner.
@@ -76,11 +77,11 @@ std::vector<std::filesystem::path> GroundLayers::files(const std::filesystem::pa
 }
 
 void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scene,
-                         const renderer::LoadedCloud& cloud, const CloudInputs& clouds, const View& view,
-                         const std::filesystem::path& output, bool overwrite, EmptyViews& empty,
-                         Verbosity verbosity) {
+                         const renderer::LoadedCloud& cloud, const CloudInputs& clouds,
+                         const camera::NamedCamera& view, bool overwrite, EmptyViews& empty,
+                         Listener& listener) {
   const geo::RasterGrid grid = grid_of(view.camera);
-  const std::vector<std::filesystem::path> files = wanted.files(output);
+  const std::vector<std::filesystem::path> files = wanted.files(scene.output.file);
   image::Film film;
   AttributeSet attributes;
   for (const GroundLayer layer : wanted.layers) {
@@ -91,9 +92,9 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
   }
   PointCloud columns;
   if (attributes != AttributeSet()) {
-    ProgressLine line("reading attributes", "B", verbosity);
-    columns = read_cloud(clouds, {.attributes = attributes, .progress = line.callback()});
-    line.finish();
+    columns = in_stage(listener, "reading attributes", "B", [&](const Progress& progress) {
+      return read_cloud(clouds, {.attributes = attributes, .progress = progress});
+    });
   }
   std::vector<std::uint32_t> counts;
   const float nothing = std::numeric_limits<float>::quiet_NaN();
@@ -103,14 +104,14 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
     const auto write = [&](const auto& values, double no_data) {
       const geo::RasterBand band{.values = std::span(values), .no_data = no_data, .description = name};
       geo::write_raster(files[i], {.grid = grid, .bands = {band}, .crs = cloud.crs}, overwrite);
-      say_note(verbosity, fmt::format("wrote {}", files[i].string()));
+      listener.note("wrote " + files[i].string());
     };
     const auto write_attribute = [&](const auto& column, auto none) {
       if (column.empty())
         throw file_error(clouds.title(), fmt::format("the cloud has no {}", name), "another layer");
       if (std::ranges::adjacent_find(column, std::not_equal_to()) == column.end())
-        say_warnings(verbosity, {fmt::format("{}: all points have the {} {}", files[i].string(), name,
-                                             static_cast<unsigned>(column.front()))});
+        listener.warn(fmt::format("{}: all points have the {} {}", files[i].string(), name,
+                                  static_cast<unsigned>(column.front())));
       write(attribute_of(film, column, none), none);
     };
     if (layer == GroundLayer::elevation) {
@@ -138,4 +139,4 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
   empty.check(view, film.count() > 0 ? film.sees_anything() : has_points);
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::jobs
