@@ -38,7 +38,9 @@ CopcTiles::CopcTiles(const CloudInputs& inputs, const CopcCache::Options& option
   std::vector<Bounds> boxes(size());
   first_rows_.assign(size() + 1, 0);
   for (std::uint32_t i = 0; i < size(); ++i) {
-    const auto& stated = inputs_.inputs[i].stated;
+    const CloudInput& input = inputs_.inputs[i];
+    const auto& stated = input.stated;
+    is_any_remote_ = is_any_remote_ || (!input.memory && is_remote_name(input.name.string()));
     if (!stated) unstated[i] = open(i);
     const std::uint64_t count = stated ? stated->point_count : unstated[i]->file.header().point_count;
     first_rows_[i + 1] = first_rows_[i] + count;

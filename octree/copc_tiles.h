@@ -49,6 +49,8 @@ class CopcTiles {
 
   std::size_t size() const { return inputs_.inputs.size(); }
   std::uint64_t point_count() const { return first_rows_.back(); }
+  /// Whether any file lies on a server.
+  bool is_any_remote() const { return is_any_remote_; }
   /// That of the first file that has points: the one of the cloud that read_cloud() gives.
   const Lattice& lattice() const { return lattice_; }
   /// About files that were opened at once.
@@ -104,6 +106,7 @@ class CopcTiles {
 
   CloudInputs inputs_;
   CopcCache::Options options_;
+  bool is_any_remote_ = false;
   Lattice lattice_;
   Crs crs_;
   std::string first_name_;  ///< of the file that has these

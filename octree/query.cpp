@@ -410,6 +410,19 @@ void occluded_batch(const Octree& octree, const Batch& batch, const RayQuery& qu
   check_arrival(octree);
 }
 
+/// The first hit of each ray as the answers of `find`.
+Answers<Hit> closest_answers(const Octree& octree, std::span<const Ray> rays, const RayQuery& query) {
+  std::vector<std::optional<Hit>> hits(rays.size());
+  closest_batch(octree, RaysInMemory<std::optional<Hit>>(rays, hits), query);
+  Answers<Hit> answers;
+  answers.begin.reserve(rays.size() + 1);
+  for (const std::optional<Hit>& hit : hits) {
+    if (hit) answers.all.push_back(*hit);
+    answers.begin.push_back(answers.all.size());
+  }
+  return answers;
+}
+
 }  // namespace
 
 template <LineGeometry T>
@@ -438,6 +451,9 @@ template <TargetGeometry T>
 Answers<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, std::span<const T> targets,
                                             const QueryOf<T>& query) {
   check_batch(octree, targets, query);
+  if constexpr (std::same_as<T, Ray>) {
+    if (query.k == 1) return closest_answers(octree, targets, query);
+  }
   if constexpr (std::same_as<T, glm::dvec3>) {
     if (suits_turns(octree, query) && targets.size() <= std::numeric_limits<std::uint32_t>::max())
       return arrived(octree, CurveBatch(octree, targets, query).find());
@@ -459,6 +475,14 @@ void FamilyAnswers<T>::count(const Octree& octree, std::span<const T> targets, c
                              std::span<std::size_t> counts) {
   check_batch(octree, targets, query);
   check_room(targets.size(), counts.size());
+  if constexpr (std::same_as<T, Ray>) {
+    if (query.k == 1) {
+      std::vector<std::uint8_t> answers(targets.size());
+      occluded_batch(octree, RaysInMemory<std::uint8_t>(targets, answers), query);
+      std::ranges::copy(answers, counts.begin());
+      return;
+    }
+  }
   for_each_target(targets, k_grain,
                   [&](std::size_t i) { counts[i] = count_to(octree, targets[i], query, query.k, i); });
   check_arrival(octree);

@@ -74,6 +74,8 @@ TEST_F(Batch, of_rays_answers_in_the_order_of_the_rays_on_any_number_of_threads)
   expect_as_one_by_one(octree_, cases, RayQuery{.radius = 0.2});
   expect_as_one_by_one(octree_, cases, RayQuery{.radius = 0.5, .measure = Measure::t, .k = 3});
   expect_as_one_by_one(octree_, cases, RayQuery{.measure = Measure::distance, .k = 8});
+  expect_as_one_by_one(octree_, cases, RayQuery{.measure = Measure::distance, .k = 1});
+  expect_as_one_by_one(octree_, cases, RayQuery{.radius = 0.2, .k = 1});
 }
 
 TEST_F(Batch, of_rays_gives_closest_and_occluded_in_the_order_of_the_rays) {

@@ -9,6 +9,8 @@
 
 #include "cloud/catalog.h"
 #include "octree/brute_force.h"
+#include "octree/build.h"
+#include "octree/explained_query.h"
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"
 #include "tests/cloud/cloud_test_support.h"
@@ -107,6 +109,46 @@ TEST_F(CopcTilesTest, answers_equal_brute_force_over_all_files) {
       }
     }
   }
+}
+
+/// Batches whose work is counted, over an octree or tiles, beside those of the octree.
+template <class Target, class Index, class Query>
+void expect_explained(const Octree& octree, const Index& index, const std::vector<Target>& targets,
+                      const Query& query) {
+  using Explained = ExplainedQuery<Target, Index>;
+  const auto expected = find(octree, targets, query);
+  QueryStatistics work;
+  const auto found = Explained::find(index, targets, query, k_all, work);
+  EXPECT_EQ(found.begin, expected.begin);
+  EXPECT_TRUE(found.all == expected.all);
+  EXPECT_GE(work.nodes_visited, targets.size());
+  const auto first = Explained::find(index, targets, query, 1, work);
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    EXPECT_EQ(first[i].size(), std::min<std::size_t>(expected[i].size(), 1));
+  std::vector<std::size_t> counts(targets.size()), expected_counts(targets.size());
+  const std::uint64_t before = work.points_tested;
+  Explained::count(index, targets, query, counts, work);
+  EXPECT_GT(work.points_tested, before);
+  count(octree, targets, query, expected_counts);
+  EXPECT_EQ(counts, expected_counts);
+}
+
+TEST_F(CopcTilesTest, explained_batches_have_the_answers_of_the_octree_of_all_files) {
+  add_some();
+  const Octree octree = build(read_cloud(inputs()));
+  const CopcTiles tiles(inputs(), {.byte_count = 60'000});
+  std::vector<Ray> rays;
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 40; ++i) {
+    positions.emplace_back(690000 + 37 * i, 5325000 - i, 480);
+    rays.push_back(make_ray(positions.back() + glm::dvec3(0, 0, 100), {0.1, 0.02 * i, -1}));
+  }
+  for (const RayQuery& query : {RayQuery{.radius = 5.0}, RayQuery{.radius = 5.0, .k = 1}}) {
+    expect_explained(octree, tiles, rays, query);
+    expect_explained(octree, octree, rays, query);
+  }
+  expect_explained(octree, tiles, positions, PointQuery{.k = 9});
+  expect_explained(octree, octree, positions, PointQuery{.radius = 20.0});
 }
 
 TEST_F(CopcTilesTest, only_files_that_are_entered_are_opened) {

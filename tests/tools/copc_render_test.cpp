@@ -79,5 +79,15 @@ TEST_F(CopcRenderTest, nothing_is_written_if_not_requested) {
   EXPECT_TRUE(contains(bad.err, "--preview")) << bad.err;
 }
 
+TEST_F(CopcRenderTest, info_prints_levels_nodes_and_spacing) {
+  const CopcSample sample = build_copc(3000);
+  write_copc(sample);
+  const ProgramResult result = run({"info", "site"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.out, "COPC 1.4, point format 7, 3000 points")) << result.out;
+  EXPECT_TRUE(contains(result.out,
+                       std::to_string(sample.keys.size()) + " nodes with points, spacing 1.5 in the root"));
+}
+
 }  // namespace
 }  // namespace alidade::test

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/query_executor.h"
+#include "jobs/query/targets.h"
 
 #include <gtest/gtest.h>
 
 namespace alidade::test {
-
-using namespace tools;
 
 namespace {
 
@@ -15,7 +13,7 @@ PieceSize::Clock::duration duration(double seconds) {
 
 /// The size after many batches of targets that have so many answers and take so many seconds each.
 std::size_t size_after_batches(double answers, double seconds) {
-  BatchSize size;
+  jobs::BatchSize size;
   for (int batch = 0; batch < 20; ++batch) {
     const auto targets = static_cast<double>(size.targets());
     size.learn(size.targets(), static_cast<std::size_t>(targets * answers), duration(targets * seconds));
@@ -37,7 +35,7 @@ TEST(BatchSize, batches_of_heavy_targets_end_within_a_fifth_of_a_second) {
 }
 
 TEST(BatchSize, first_batch_is_small_and_the_next_ones_grow_fourfold_at_most) {
-  BatchSize size;
+  jobs::BatchSize size;
   EXPECT_EQ(size.targets(), 32u);
   size.learn(32, 0, duration(0.0));
   EXPECT_EQ(size.targets(), 128u);
@@ -49,7 +47,7 @@ TEST(BatchSize, first_batch_is_small_and_the_next_ones_grow_fourfold_at_most) {
 
 TEST(BatchSize, answers_of_a_batch_are_few_enough_to_hold) {
   for (const double answers : {0.0, 1.0, 1e3, 1e5, 1e9}) {
-    BatchSize size;
+    jobs::BatchSize size;
     for (int batch = 0; batch < 20; ++batch) {
       EXPECT_LE(size.targets() * size.answers_per_target(), 1u << 20);
       size.learn(size.targets(), static_cast<std::size_t>(answers * static_cast<double>(size.targets())),

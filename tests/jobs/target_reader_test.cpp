@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/target_reader.h"
+#include "jobs/query/targets.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,8 +8,6 @@
 #include <fstream>
 
 namespace alidade::test {
-
-using namespace tools;
 
 namespace {
 
@@ -21,12 +19,12 @@ class TargetReaderTest : public ::testing::Test {
   void TearDown() override { std::filesystem::remove(file_); }
 
   /// A text of so many rows, all of the same length.
-  LineSource rows(const std::string& header, const std::string& row, int count) {
+  jobs::GivenTargets rows(const std::string& header, const std::string& row, int count) {
     std::ofstream stream(file_);
     stream << header;
     for (int i = 0; i < count; ++i) stream << row;
     stream.close();
-    return LineSource::open(file_.string());
+    return {.text = file_.string()};
   }
 
   std::filesystem::path file_;
@@ -34,8 +32,9 @@ class TargetReaderTest : public ::testing::Test {
 
 TEST_F(TargetReaderTest, share_follows_the_targets_given_out_in_small_texts_and_large_ones) {
   for (const int count : {1000, 500000}) {
-    TargetReader<glm::dvec3> reader(rows("x,y,z\n", "1,2,3\n", count), {});
-    TargetBatch<glm::dvec3> batch;
+    const jobs::GivenTargets given = rows("x,y,z\n", "1,2,3\n", count);
+    jobs::TargetReader<glm::dvec3> reader(given, jobs::TargetFamily::points, {});
+    jobs::TargetBatch<glm::dvec3> batch;
     for (int part = 1; part <= 10; ++part) {
       ASSERT_TRUE(reader.next(static_cast<std::size_t>(count / 10), batch));
       EXPECT_NEAR(reader.share(), part / 10.0, 1e-3) << count;
@@ -50,8 +49,9 @@ TEST_F(TargetReaderTest, share_of_regions_follows_their_planes) {
   for (int region = 10; region < 20; ++region) {
     for (int plane = 0; plane < 6; ++plane) text += "1,2,3,0,0,1," + std::to_string(region) + "\n";
   }
-  TargetReader<HalfSpaces> reader(rows("px,py,pz,nx,ny,nz,region\n", text, 1), {});
-  TargetBatch<HalfSpaces> batch;
+  const jobs::GivenTargets given = rows("px,py,pz,nx,ny,nz,region\n", text, 1);
+  jobs::TargetReader<HalfSpaces> reader(given, jobs::TargetFamily::planes, {});
+  jobs::TargetBatch<HalfSpaces> batch;
   ASSERT_TRUE(reader.next(5, batch));
   EXPECT_EQ(batch.targets.size(), 5u);
   // The plane that ended the fifth region is read.
@@ -59,10 +59,27 @@ TEST_F(TargetReaderTest, share_of_regions_follows_their_planes) {
 }
 
 TEST_F(TargetReaderTest, share_is_not_known_of_what_is_no_file) {
-  TargetReader<glm::dvec3> reader(LineSource::command_line("--point", {"1,2,3", "4,5,6"}), {});
-  TargetBatch<glm::dvec3> batch;
+  const jobs::GivenTargets given{.values = {"1,2,3", "4,5,6"}};
+  jobs::TargetReader<glm::dvec3> reader(given, jobs::TargetFamily::points, {});
+  jobs::TargetBatch<glm::dvec3> batch;
   ASSERT_TRUE(reader.next(1, batch));
   EXPECT_EQ(reader.share(), 0.0);
+}
+
+TEST_F(TargetReaderTest, numbers_are_read_like_texts_and_their_share_is_known) {
+  std::vector<double> rows;
+  for (int i = 0; i < 50000; ++i) rows.insert(rows.end(), {1.0 * i, 0.5, -2.0});
+  const jobs::GivenTargets given{.rows = rows};
+  jobs::TargetReader<glm::dvec3> reader(given, jobs::TargetFamily::points, {});
+  jobs::TargetBatch<glm::dvec3> batch;
+  for (int part = 0; part < 5; ++part) {
+    ASSERT_TRUE(reader.next(10000, batch));
+    ASSERT_EQ(batch.targets.size(), 10000u);
+    EXPECT_EQ(batch.ids.back(), 10000u * static_cast<unsigned>(part) + 9999u);
+    EXPECT_EQ(batch.targets.back(), glm::dvec3(10000.0 * part + 9999.0, 0.5, -2.0));
+    EXPECT_NEAR(reader.share(), 0.2 * (part + 1), 1e-12);
+  }
+  EXPECT_FALSE(reader.next(1, batch));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/row_reader.h"
+#include "jobs/query/targets.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,31 +7,32 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <glm/geometric.hpp>
 
 #include "base/error.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {
 
-using namespace tools;
-
 namespace {
 
-class RowReaderTest : public ::testing::Test {
+class TargetRowsTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    file_ = std::filesystem::temp_directory_path() / ("alidade_rows_" + std::to_string(::getpid()));
+    file_ = std::filesystem::temp_directory_path() / ("alidade_target_rows_" + std::to_string(::getpid()));
   }
   void TearDown() override { std::filesystem::remove(file_); }
 
-  /// All rows of a text.
-  std::vector<double> read(const std::string& text, const TargetKind& kind) {
+  /// All targets of a text.
+  template <class Target>
+  std::vector<Target> read(const std::string& text, jobs::TargetFamily family) {
     std::ofstream(file_, std::ios::binary) << text;
-    RowReader reader(LineSource::open(file_.string()), kind);
-    std::vector<double> values;
-    for (TargetRows rows; reader.next(rows);)
-      values.insert(values.end(), rows.values.begin(), rows.values.end());
-    return values;
+    const jobs::GivenTargets given{.text = file_.string()};
+    jobs::TargetReader<Target> reader(given, family, {});
+    std::vector<Target> targets;
+    for (jobs::TargetBatch<Target> batch; reader.next(100, batch);)
+      targets.insert(targets.end(), batch.targets.begin(), batch.targets.end());
+    return targets;
   }
 
   std::filesystem::path file_;
@@ -64,7 +65,7 @@ std::string damaged(std::string text, Random& random) {
 
 // Whatever a text holds, it is either rows whose values keep the rules, or an Error that names line and
 // column.
-TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_position) {
+TEST_F(TargetRowsTest, damaged_text_gives_good_rows_or_an_error_with_a_position) {
   const std::string csv =
       "ox,oy,oz,dx,dy,dz,half_angle,t_max\n1,2,3,4,5,6,7.5,inf\n-1e3,2.5e-2,3,0,0,1,0,\n\n0,0,0,\"1\",2,3,89,"
       "5\n";
@@ -72,20 +73,20 @@ TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_position) 
       "{\"origin\": [1, 2, 3], \"direction\": [0, 0, 1], \"half_angle\": 5}\n[1, 2, 3, 4, 5, 6, 7, 0.5, "
       "null, \"inf\"]\n"
       "{\"ox\": 1, \"oy\": 2, \"oz\": 3, \"direction\": [1, 0, 0], \"half_angle\": 5, \"t_min\": -2}\n";
-  const TargetKind& kind = target_kind<Cone>();
-  EXPECT_EQ(read(csv, kind).size(), 3 * kind.columns.size());
-  EXPECT_EQ(read(json, kind).size(), 3 * kind.columns.size());
+  const auto read_cones = [&](const std::string& text) {
+    return read<Cone>(text, jobs::TargetFamily::cones);
+  };
+  EXPECT_EQ(read_cones(csv).size(), 3u);
+  EXPECT_EQ(read_cones(json).size(), 3u);
   Random random;
   int read_count = 0, rejected_count = 0;
   for (int i = 0; i < 3000; ++i) {
     const std::string text = damaged(i % 2 == 0 ? csv : json, random);
     try {
-      const std::vector<double> values = read(text, kind);
-      ASSERT_EQ(values.size() % kind.columns.size(), 0u);
-      for (std::size_t row = 0; row < values.size(); row += kind.columns.size()) {
-        for (std::size_t axis = 0; axis < 6; ++axis) ASSERT_TRUE(std::isfinite(values[row + axis])) << text;
-        ASSERT_TRUE(values[row + 6] >= 0.0 && values[row + 6] < 90.0) << text;
-        ASSERT_TRUE(values[row + 3] != 0.0 || values[row + 4] != 0.0 || values[row + 5] != 0.0) << text;
+      for (const Cone& cone : read_cones(text)) {
+        for (int axis = 0; axis < 3; ++axis) ASSERT_TRUE(std::isfinite(cone.axis.origin[axis])) << text;
+        ASSERT_NEAR(glm::length(cone.axis.direction), 1.0, 1e-9) << text;
+        ASSERT_TRUE(cone.slope >= 0.0 && std::isfinite(cone.slope) && cone.radius >= 0.0) << text;
       }
       ++read_count;
     } catch (const Error& error) {
@@ -101,24 +102,25 @@ TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_position) 
   EXPECT_GT(rejected_count, 500);
 }
 
-TEST_F(RowReaderTest, numbers_are_read_to_the_last_bit_in_csv_and_json) {
+TEST_F(TargetRowsTest, numbers_are_read_to_the_last_bit_in_csv_and_json) {
   Random random;
   std::string csv = "x,y,z\n", json;
-  std::vector<double> expected;
+  std::vector<glm::dvec3> expected;
   for (int i = 0; i < 3000; ++i) {
     std::string numbers[3];
-    for (std::string& number : numbers) {
+    glm::dvec3& position = expected.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) {
       const double value = std::ldexp(random.between(-1, 1), static_cast<int>(random.below(2000)) - 1000);
       char digits[40];
       std::snprintf(digits, sizeof digits, "%.17g", value);
-      number = digits;
-      expected.push_back(value);
+      numbers[axis] = digits;
+      position[axis] = value;
     }
     csv += numbers[0] + "," + numbers[1] + "," + numbers[2] + "\n";
     json += "[" + numbers[0] + "," + numbers[1] + "," + numbers[2] + "]\n";
   }
-  EXPECT_TRUE(read(csv, target_kind<glm::dvec3>()) == expected);
-  EXPECT_TRUE(read(json, target_kind<glm::dvec3>()) == expected);
+  EXPECT_TRUE(read<glm::dvec3>(csv, jobs::TargetFamily::points) == expected);
+  EXPECT_TRUE(read<glm::dvec3>(json, jobs::TargetFamily::points) == expected);
 }
 
 }  // namespace

@@ -1,35 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/target_kind.h"
+#include "jobs/query/target_kind.h"
 
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
-#include "base/words.h"
-
-namespace alidade::tools {
+namespace alidade::jobs {
 namespace {
 
 constexpr double k_largest_number = 9007199254740992.0;  // 2^53: up to here doubles are exact
-
-/// The expected value for errors; nullptr if the value is valid.
-const char* expectation(ValueRule rule, double value) {
-  switch (rule) {
-    case ValueRule::coordinate:
-      return std::isfinite(value) ? nullptr : "a finite number";
-    case ValueRule::limit:
-      return std::isnan(value) ? "a number, inf or -inf" : nullptr;
-    case ValueRule::width:
-      return std::isfinite(value) && value >= 0.0 ? nullptr : "a finite number, at least 0";
-    case ValueRule::half_angle:
-      return value >= 0.0 && value < 90.0 ? nullptr : "degrees, at least 0 and less than 90";
-    case ValueRule::number:
-      return value >= 0.0 && value <= k_largest_number && value == std::floor(value)
-                 ? nullptr
-                 : "an integer from 0 to 2^53";
-  }
-  return nullptr;
-}
 
 using enum ValueRule;
 
@@ -79,50 +58,15 @@ static_assert(std::size(k_kinds) == k_target_families);
 
 }  // namespace
 
-void TextLine::fail(std::size_t offset, std::string problem, std::string expected, std::string found) const {
-  const std::size_t column = 1 + character_count(text.substr(0, offset));
-  throw Error({.file = std::string(source),
-               .location = is_command_line ? " " + quote(text)
-                                           : std::to_string(number) + ":" + std::to_string(column),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
-}
-
-void check_value(const TextLine& line, std::size_t offset, const TargetColumn& column, double value,
-                 std::string_view found) {
-  const char* const expected = expectation(column.rule, value);
-  if (expected != nullptr)
-    line.fail(offset, fmt::format("{} out of range", column.name), expected, quote(found));
-}
-
-void check_row(const TextLine& line, const TargetKind& kind, std::span<const double> row,
-               std::span<const std::size_t> offsets) {
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    if (kind.columns[i].required && std::isnan(row[i]))
-      line.fail(offsets[i], fmt::format("missing value of {}", kind.columns[i].name), kind.form());
-  }
-  for (const TargetVector& vector : kind.vectors) {
-    const std::size_t x = vector.first;
-    if (!vector.is_direction || row[x] != 0.0 || row[x + 1] != 0.0 || row[x + 2] != 0.0) continue;
-    line.fail(offsets[x], fmt::format("{} of the {} is zero", vector.name, kind.name), "a nonzero direction",
-              "0,0,0");
-  }
-}
-
 std::size_t TargetKind::required_count() const {
   return static_cast<std::size_t>(std::ranges::count(columns, true, &TargetColumn::required));
 }
 
 std::string TargetKind::form() const {
   std::string text;
-  for (const TargetColumn& column : columns) {
-    const char* const separator = text.empty() ? "" : ",";
-    text.append(column.required ? "" : "[")
-        .append(separator)
-        .append(column.name)
-        .append(column.required ? "" : "]");
-  }
+  for (const TargetColumn& column : columns)
+    text += (column.required ? "" : "[") + std::string(text.empty() ? "" : ",").append(column.name) +
+            (column.required ? "" : "]");
   return text;
 }
 
@@ -140,4 +84,22 @@ const TargetKind& target_kind(TargetFamily family) {
   return k_kinds[static_cast<std::size_t>(family)];
 }
 
-}  // namespace alidade::tools
+const char* expected_value(ValueRule rule, double value) {
+  switch (rule) {
+    case ValueRule::coordinate:
+      return std::isfinite(value) ? nullptr : "a finite number";
+    case ValueRule::limit:
+      return std::isnan(value) ? "a number, inf or -inf" : nullptr;
+    case ValueRule::width:
+      return std::isfinite(value) && value >= 0.0 ? nullptr : "a finite number, at least 0";
+    case ValueRule::half_angle:
+      return value >= 0.0 && value < 90.0 ? nullptr : "degrees, at least 0 and less than 90";
+    case ValueRule::number:
+      return value >= 0.0 && value <= k_largest_number && value == std::floor(value)
+                 ? nullptr
+                 : "an integer from 0 to 2^53";
+  }
+  return nullptr;
+}
+
+}  // namespace alidade::jobs

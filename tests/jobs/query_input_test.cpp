@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <signal.h>
-#include <sys/stat.h>
+#include <oneapi/tbb/task_arena.h>
 
-#include <algorithm>
-#include <chrono>
-#include <fstream>
-#include <thread>
+#include <string>
+#include <tuple>
+#include <utility>
 
-#include "tests/tools/run_program.h"
+#include "tests/jobs/query_job.h"
 
 namespace alidade::test {
 namespace {
@@ -16,33 +14,22 @@ namespace {
 constexpr const char* k_header = "ox,oy,oz,dx,dy,dz\n";
 constexpr const char* k_answer = "ray_id,count\n0,5\n1,1\n";
 
-class QueryInputTest : public ProgramTest {
+class QueryInputTest : public QueryJob {
  protected:
   void SetUp() override {
-    ProgramTest::SetUp();
+    QueryJob::SetUp();
     write("tiny.xyz", "0 0 0\n1 0 0\n2 0.5 0\n3 0 2\n4 0 0\n");
-  }
-
-  ProgramResult query(const std::string& option, const std::string& text) {
-    write("targets", text);
-    return run({"query", "tiny.xyz", "-q", option, "targets", "--count"});
   }
 
   std::string count_rays(const std::string& text) {
     write("targets", text);
-    const ProgramResult result =
-        run({"query", "tiny.xyz", "-q", "--rays", "targets", "--radius", "2", "--count"});
-    EXPECT_EQ(result.err, "");
-    return result.out;
+    return query("tiny.xyz", {"--rays", "targets", "--radius", "2", "--count"});
   }
 
-  /// The error for targets that are not good, which leaves nothing behind.
+  /// The error for targets that are not good.
   std::string rejected(const std::string& option, const std::string& text) {
-    const ProgramResult result = query(option, text);
-    EXPECT_EQ(result.exit_code, 2) << text;
-    EXPECT_EQ(result.out, "") << text;
-    EXPECT_EQ(names(), (Words{"targets", "tiny.xyz"}));
-    return result.err;
+    write("targets", text);
+    return QueryJob::rejected("tiny.xyz", {option, "targets", "--count"});
   }
 };
 
@@ -64,86 +51,6 @@ TEST_F(QueryInputTest, csv_and_json_lines_are_equivalent) {
       EXPECT_EQ(count_rays(text), k_answer) << text;
     }
   }
-}
-
-TEST_F(QueryInputTest, standard_input_and_pipes_are_read_like_files) {
-  const std::string text = std::string(k_header) + "0,0,0,1,0,0\n3,0,9,0,0,-1\n";
-  const Words words = {"query", "tiny.xyz", "-q", "--rays", "-", "--radius", "1", "--count"};
-  EXPECT_EQ(run_with_input(words, text).out, "ray_id,count\n0,4\n1,2\n");
-  const ProgramResult empty = run_with_input(words, "");
-  EXPECT_EQ(empty.exit_code, 2);
-  EXPECT_TRUE(contains(empty.err, "standard input:1:1: contains no rays")) << empty.err;
-
-  const std::filesystem::path pipe = folder / "pipe";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  Program program({"query", "tiny.xyz", "-q", "--rays", "pipe", "--radius", "1", "--count"}, folder);
-  write("pipe", text);
-  EXPECT_EQ(program.wait().out, "ray_id,count\n0,4\n1,2\n");
-}
-
-TEST_F(QueryInputTest, interrupt_while_waiting_for_targets_ends_with_130) {
-  const std::filesystem::path pipe = folder / "pipe";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  Program program({"query", "tiny.xyz", "-q", "--rays", "-", "--radius", "1", "-o", "out.csv"}, folder, {},
-                  pipe);
-  {
-    // More than the program reads at once, so that it answers and then waits for the rest.
-    std::ofstream writer(pipe);
-    writer << k_header;
-    for (int i = 0; i < 100000; ++i) writer << "0,0,0,1,0,0\n";
-    writer.flush();
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (names().size() < 3 && std::chrono::steady_clock::now() < limit)
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    program.send(SIGINT);
-    EXPECT_EQ(program.wait().exit_code, 130);
-  }
-  EXPECT_EQ(names(), (Words{"pipe", "tiny.xyz"}));
-}
-
-TEST_F(QueryInputTest, an_index_that_is_cut_below_the_program_ends_it_with_a_message) {
-  // The program may end before it has read all that is written to it.
-  const auto before = ::signal(SIGPIPE, SIG_IGN);
-  ASSERT_EQ(run({"generate", "courtyard", "--points", "100000", "-o", "site.las", "-q"}).exit_code, 0);
-  ASSERT_EQ(run({"index", "site.las", "-o", "site.alidade", "-q"}).exit_code, 0);
-  for (const std::uintmax_t left : {std::uintmax_t{0}, std::uintmax_t{4096}, std::uintmax_t{300'001}}) {
-    std::filesystem::copy_file(folder / "site.alidade", folder / "cut.alidade",
-                               std::filesystem::copy_options::overwrite_existing);
-    const std::filesystem::path pipe = folder / "pipe";
-    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-    Program program(
-        {"query", "cut.alidade", "-q", "--rays", "-", "--radius", "1", "--k", "1", "-o", "out.csv"}, folder,
-        {}, pipe);
-    {
-      std::ofstream writer(pipe);
-      writer << k_header;
-      const auto write_rays = [&] {
-        // More than the program reads at once, so that it answers.
-        for (int i = 0; i < 100000; ++i)
-          writer << 689980 + i % 40 << "," << 5324980 + i / 40 % 40 << ",700,0,0,-1\n";
-        writer.flush();
-      };
-      write_rays();
-      const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-      const auto has_begun = [&] {
-        return std::ranges::any_of(names(),
-                                   [](const std::string& name) { return name.starts_with(".out.part-"); });
-      };
-      while (!has_begun() && std::chrono::steady_clock::now() < limit)
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      std::filesystem::resize_file(folder / "cut.alidade", left);
-      write_rays();
-    }
-    const ProgramResult result = program.wait();
-    EXPECT_EQ(result.exit_code, 2) << result.signal << " " << result.err;
-    EXPECT_TRUE(contains(result.err,
-                         "cut.alidade: the file changed or its disk failed while it was read; read it "
-                         "again; expected "))
-        << result.err;
-    std::filesystem::remove(pipe);
-    EXPECT_EQ(names(), (Words{"cut.alidade", "site.alidade", "site.las", "tiny.xyz"}));
-  }
-  ::signal(SIGPIPE, before);
 }
 
 TEST_F(QueryInputTest, wrong_csv_is_rejected_with_line_and_column) {
@@ -219,10 +126,10 @@ TEST_F(QueryInputTest, wrong_targets_of_other_kinds_are_rejected) {
 TEST_F(QueryInputTest, first_bad_line_of_many_is_reported) {
   std::string text = k_header;
   for (int i = 0; i < 20000; ++i) text += i % 5000 == 4999 ? "0,0,0,0,0,0\n" : "0,0,0,1,0,0\n";
-  for (const char* const threads : {"1", "4"}) {
-    write("targets", text);
-    const ProgramResult result = run({"query", "tiny.xyz", "-q", "--rays", "targets", "--threads", threads});
-    EXPECT_TRUE(contains(result.err, "targets:5001:7: ")) << result.err;
+  for (const int threads : {1, 4}) {
+    tbb::task_arena arena(threads);
+    const std::string error = arena.execute([&] { return rejected("--rays", text); });
+    EXPECT_TRUE(contains(error, "targets:5001:7: ")) << error;
   }
 }
 
@@ -238,11 +145,11 @@ TEST_F(QueryInputTest, targets_across_blocks_of_the_text_are_read_once) {
   std::string text = k_header;
   for (int i = 0; i < 60000; ++i) text += fmt::format("{},0,0,1,0,{:.{}f}\n", -i, 0.0, 1 + i % 40);
   write("targets", text);
-  const ProgramResult result =
-      run({"query", "tiny.xyz", "-q", "--rays", "targets", "--radius", "0.1", "--k", "1", "--measure", "t"});
+  const std::string text_of_answers =
+      query("tiny.xyz", {"--rays", "targets", "--radius", "0.1", "--k", "1", "--measure", "t"});
   std::string expected = "ray_id,rank,point_id,x,y,z,t,distance,entry\n";
   for (int i = 0; i < 60000; ++i) expected += fmt::format("{0},0,0,0,0,0,{0},0,{1}\n", i, i - 0.1);
-  EXPECT_TRUE(result.out == expected) << result.out.substr(0, 300);
+  EXPECT_TRUE(text_of_answers == expected) << text_of_answers.substr(0, 300);
 }
 
 TEST_F(QueryInputTest, targets_of_the_command_line_are_quoted_in_errors) {
@@ -252,6 +159,7 @@ TEST_F(QueryInputTest, targets_of_the_command_line_are_quoted_in_errors) {
       {{"--ray", "0,0,0,1,0,0", "--ray", "0,0,0,1,y,0"}, "--ray: \"0,0,0,1,y,0\": invalid dy"},
       {{"--ray", "0,0,0,0,0,0"}, "direction of the ray is zero"},
       {{"--ray", ""}, "--ray: contains no rays"},
+      {{"--line", "0,0,0,0,0,0"}, "--line: \"0,0,0,0,0,0\": direction of the line is zero"},
       {{"--vertex", "1,2,3"}, "--vertex: too few distinct path vertices"},
       {{"--ray", "0,0,0,1,0,0", "--point", "0,0,0"}, "rays and points are different kinds of targets"},
       {{"--point", "0,0,0", "--points", "targets"}, "--points and --point exclude each other"},
@@ -259,11 +167,8 @@ TEST_F(QueryInputTest, targets_of_the_command_line_are_quoted_in_errors) {
       {{"--rays", "absent.csv"}, "absent.csv: cannot open the file"},
       {{"--rays", "."}, ".: cannot read the file"}};
   for (const auto& [words, message] : wrong) {
-    Words all = {"query", "tiny.xyz", "-q"};
-    all.insert(all.end(), words.begin(), words.end());
-    const ProgramResult result = run(all);
-    EXPECT_EQ(result.exit_code, 2) << message;
-    EXPECT_TRUE(contains(result.err, message)) << result.err;
+    const std::string error = QueryJob::rejected("tiny.xyz", words);
+    EXPECT_TRUE(contains(error, message)) << error;
   }
 }
 
@@ -271,17 +176,17 @@ TEST_F(QueryInputTest, conditions_that_mean_nothing_are_rejected) {
   const Words ray = {"--ray", "0,0,0,1,0,0"}, box = {"--box", "0,0,0,1,1,1"},
               cone = {"--cone", "0,0,0,1,0,0,5"}, path = {"--vertex", "0,0,0", "--vertex", "1,0,0"};
   const std::tuple<Words, Words, const char*> wrong[] = {
-      {ray, {"--radius", "-1"}, "--radius"},
-      {ray, {"--radius", "nan"}, "--radius"},
-      {ray, {"--k", "0"}, "--k: invalid value; expected an integer from 1"},
-      {ray, {"--k", "-1"}, "--k"},
-      {ray, {"--measure", "depth"}, "--measure: invalid value; expected distance|t|entry"},
+      {ray, {"--radius", "-1"}, "radius"},
+      {ray, {"--radius", "nan"}, "radius"},
+      {ray, {"--k", "0"}, "k: invalid value; expected an integer from 1"},
+      {ray, {"--k", "-1"}, "k: "},
+      {ray, {"--measure", "depth"}, "measure: invalid value; expected distance|t|entry"},
       {ray, {"--measure", "entry"}, "--measure entry requires a radius"},
       {ray, {"--entry-min", "0"}, "--entry-min requires a radius"},
-      {ray, {"--class", "2,256"}, "--class"},
-      {ray, {"--class", "2,"}, "--class"},
-      {ray, {"--max-level", "-1"}, "--max-level"},
-      {ray, {"--count", "--occluded"}, "--occluded"},
+      {ray, {"--class", "2,256"}, "classes: "},
+      {ray, {"--class", "2,"}, "classes: "},
+      {ray, {"--max-level", "-1"}, "max-level: "},
+      {ray, {"--count", "--occluded"}, "count excludes occluded"},
       {ray, {"-o", "out.xyz"}, "out.xyz: unknown output format"},
       {ray, {"--format", "las"}, "LAS output requires a file"},
       {ray, {"--count", "-o", "out.las"}, "out.las: LAS cannot store"},
@@ -292,13 +197,10 @@ TEST_F(QueryInputTest, conditions_that_mean_nothing_are_rejected) {
       {path, {"--measure", "entry"}, "--measure entry does not apply to paths"},
       {{"--point", "0,0,0"}, {"--t-min", "1"}, "--t-min does not apply to points"}};
   for (const auto& [target, condition, message] : wrong) {
-    Words all = {"query", "tiny.xyz", "-q"};
-    all.insert(all.end(), target.begin(), target.end());
-    all.insert(all.end(), condition.begin(), condition.end());
-    const ProgramResult result = run(all);
-    EXPECT_EQ(result.exit_code, 2) << message;
-    EXPECT_TRUE(contains(result.err, message)) << message << "\n" << result.err;
-    EXPECT_EQ(names(), Words{"tiny.xyz"});
+    Words words = target;
+    words.insert(words.end(), condition.begin(), condition.end());
+    const std::string error = QueryJob::rejected("tiny.xyz", words);
+    EXPECT_TRUE(contains(error, message)) << message << "\n" << error;
   }
 }
 
