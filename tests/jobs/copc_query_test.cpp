@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Queries of COPC files in place.
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <cstring>
@@ -83,6 +84,8 @@ TEST_F(CopcQueryTest, points_outside_their_cube_are_one_error_on_any_number_of_t
   const Words words = {"--points", "positions.csv", "--k", "3"};
   std::string first;
   for (const int threads : {1, 4, 4, 2}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(threads));
     tbb::task_arena arena(threads);
     const std::string error = arena.execute([&] { return rejected("moved.copc.laz", words); });
     EXPECT_TRUE(contains(error, "the point is outside the cube of its node; expected a position from"));

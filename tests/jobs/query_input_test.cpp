@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <string>
@@ -127,6 +128,8 @@ TEST_F(QueryInputTest, first_bad_line_of_many_is_reported) {
   std::string text = k_header;
   for (int i = 0; i < 20000; ++i) text += i % 5000 == 4999 ? "0,0,0,0,0,0\n" : "0,0,0,1,0,0\n";
   for (const int threads : {1, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(threads));
     tbb::task_arena arena(threads);
     const std::string error = arena.execute([&] { return rejected("--rays", text); });
     EXPECT_TRUE(contains(error, "targets:5001:7: ")) << error;
