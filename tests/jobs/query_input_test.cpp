@@ -188,7 +188,7 @@ TEST_F(QueryInputTest, conditions_that_mean_nothing_are_rejected) {
       {ray, {"--entry-min", "0"}, "--entry-min requires a radius"},
       {ray, {"--class", "2,256"}, "classes: "},
       {ray, {"--class", "2,"}, "classes: "},
-      {ray, {"--max-level", "-1"}, "max-level: "},
+      {ray, {"--max-level", "-1"}, "max_level: "},
       {ray, {"--count", "--occluded"}, "count excludes occluded"},
       {ray, {"-o", "out.xyz"}, "out.xyz: unknown output format"},
       {ray, {"--format", "las"}, "LAS output requires a file"},
