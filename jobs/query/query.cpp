@@ -16,7 +16,6 @@
 #include "base/words.h"
 #include "geo/remote_file.h"
 #include "jobs/cloud_fields.h"
-#include "jobs/outputs.h"
 #include "jobs/query/queried_cloud.h"
 #include "octree/check_query.h"
 #include "octree/explained_query.h"
@@ -542,13 +541,14 @@ QueryPlan plan(const QueryRequest& given) {
   // The library's rays are whole lines, as the paper's.
   if (family == TargetFamily::rays && !request.t_min) request.t_min = 0.0;
   const AnswerForm form = chosen_form(request);
+  PlannedWork work{
+      .clouds = request.files, .reads = {request.given(family).text}, .writes = {request.output}};
   with_geometry(family, [&]<class Target>(std::type_identity<Target>) {
     (void)conditions<Target>(request);
-    if (!request.output.empty())
-      check_writable(request.output, request.overwrite, request.inputs({request.given(family).text}));
+    check_outputs(work, request.overwrite);
     check_first_targets<Target>(request, family);
   });
-  return {std::move(request), family, form};
+  return {std::move(request), std::move(work), family, form};
 }
 
 QueryResult run(const QueryPlan& plan, Listener& listener) {

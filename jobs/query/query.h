@@ -55,8 +55,8 @@ class QueryPlan : public Plan<QueryRequest> {
 
  private:
   friend QueryPlan plan(const QueryRequest& request);
-  QueryPlan(QueryRequest request, TargetFamily family, AnswerForm form)
-      : Plan(std::move(request)), family_(family), form_(form) {}
+  QueryPlan(QueryRequest request, PlannedWork work, TargetFamily family, AnswerForm form)
+      : Plan(std::move(request), std::move(work)), family_(family), form_(form) {}
 
   TargetFamily family_;
   AnswerForm form_;
