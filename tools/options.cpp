@@ -237,18 +237,4 @@ std::function<void(const Error&)> checkpoint_warning() {
   return jobs::checkpoint_warning(console);
 }
 
-std::vector<std::filesystem::path> CloudRequest::inputs(
-    std::initializer_list<std::filesystem::path> more) const {
-  std::vector<std::filesystem::path> all = files.names();
-  all.insert(all.end(), more.begin(), more.end());
-  return all;
-}
-
-void add_run_options(const Fields& command, bool& partial, std::optional<int>& threads,
-                     Verbosity& verbosity) {
-  add_partial(command, partial);
-  add_threads(command, threads);
-  add_verbosity(command, verbosity);
-}
-
 }  // namespace alidade::tools

@@ -141,25 +141,9 @@ using CommandLine = std::vector<std::string>;
 
 /// How a command is to be run, whatever it does.
 struct RunRequest {
-  bool partial = false;        ///< ReadOptions::partial
   std::optional<int> threads;  ///< empty: all of the machine
   Verbosity verbosity = Verbosity::normal;
   CommandLine words;  ///< of the program, filled by command_of() when it runs
-};
-
-/// Declares --partial, --threads, -q and -v.
-void add_run_options(const Fields& command, bool& partial, std::optional<int>& threads, Verbosity& verbosity);
-template <class Request>
-void add_run_options(const Fields& command, Request& request) {
-  add_run_options(command, request.partial, request.threads, request.verbosity);
-}
-
-/// Options of all commands on one cloud.
-struct CloudRequest : RunRequest {
-  CloudInputs files;
-
-  /// The files of the cloud, and other files that are read.
-  std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
 };
 
 }  // namespace alidade::tools
