@@ -14,9 +14,6 @@
 namespace alidade::jobs {
 namespace {
 
-/// What the program takes without any point: libraries, threads, buffers.
-constexpr double k_bytes_without_points = 50e6;
-
 std::string bytes_text(double bytes) {
   return quantity(bytes, "B");
 }
@@ -63,10 +60,9 @@ std::string text_of(const PlannedWork& work) {
   }
   if (work.bytes_per_point > 0.0 && are_all_known) {
     const std::optional<std::uint64_t> free = available_memory();
-    text +=
-        fmt::format("{:<7} about {} of memory{}\n", "needs",
-                    bytes_text(k_bytes_without_points + work.bytes_per_point * static_cast<double>(points)),
-                    free ? fmt::format("; {} are free", bytes_text(static_cast<double>(*free))) : "");
+    text += fmt::format("{:<7} about {} of memory{}\n", "needs",
+                        bytes_text(work.bytes_beside + work.bytes_per_point * static_cast<double>(points)),
+                        free ? fmt::format("; {} are free", bytes_text(static_cast<double>(*free))) : "");
   }
   return text;
 }

@@ -15,8 +15,10 @@ struct PlannedWork {
   CloudInputs clouds{};
   std::vector<std::filesystem::path> reads{};   ///< other files; empty names count as none
   std::vector<std::filesystem::path> writes{};  ///< empty names count as none
-  /// Memory at the peak, for each point of the clouds, as measured; 0: it does not depend on them.
+  /// Memory at the peak, as measured: for each point of the clouds, and beside them. 0 for each point: it does
+  /// not depend on them.
   double bytes_per_point = 0.0;
+  double bytes_beside = 50e6;  ///< libraries, threads, buffers
 };
 
 /// check_outputs() (jobs/outputs.h) for files of this work.
@@ -30,7 +32,7 @@ std::string text_of(const PlannedWork& work);
 template <class Request>
 class Plan {
  public:
-  Plan(Request request, PlannedWork work = {}) : request_(std::move(request)), work_(std::move(work)) {}
+  Plan(Request request, PlannedWork work) : request_(std::move(request)), work_(std::move(work)) {}
 
   const Request& request() const { return request_; }
   const PlannedWork& work() const { return work_; }

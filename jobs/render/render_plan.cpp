@@ -168,6 +168,14 @@ void plan_images(RenderPlan& plan, std::span<const fs::path> inputs) {
   plan.planned.writes.insert(plan.planned.writes.end(), rasters.begin(), rasters.end());
 }
 
+/// With OpenImageIO and the film of the largest view.
+double bytes_beside_points(std::span<const camera::NamedCamera> views) {
+  double pixels = 0.0;
+  for (const camera::NamedCamera& view : views)
+    pixels = std::max(pixels, 1.0 * view.camera.width * view.camera.height);
+  return 160e6 + 43.0 * pixels;
+}
+
 DepthPlan plan_depth(const RenderPlan& plan, std::span<const fs::path> inputs) {
   const RenderRequest& request = plan.request();
   // Like the legend, they come with the first part.
@@ -267,7 +275,7 @@ RenderPlan plan(const RenderRequest& given) {
     request.files = resolve_clouds(request.scene.cloud->files, cloud_formats());
     if (request.view.view) request.files = request.view.apply(std::move(request.files));
   }
-  RenderPlan plan(std::move(request));
+  RenderPlan plan(std::move(request), {});
   plan.frames = std::move(frames);
   plan.views = planned_views(plan.request(), plan.warnings);
   const std::vector<fs::path> inputs = plan.request().inputs();
@@ -275,6 +283,8 @@ RenderPlan plan(const RenderRequest& given) {
   if (!plan.request().scene.output.file.empty() || plan.request().returns_films) plan_images(plan, inputs);
   plan.depth = plan_depth(plan, inputs);
   plan.planned.clouds = plan.request().files;
+  plan.planned.bytes_per_point = 28.0;
+  plan.planned.bytes_beside = bytes_beside_points(plan.views);
   if (plan.request().scene.cloud)
     std::erase_if(plan.planned.reads, [&](const fs::path& file) {
       return std::ranges::count(plan.request().scene.cloud->files, file) > 0;
