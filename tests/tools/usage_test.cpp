@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <memory>
 
+#include "jobs/clouds/index.h"
+#include "jobs/field_table.h"
+#include "jobs/long_run.h"
 #include "tests/tools/run_program.h"
-#include "tools/options.h"
+#include "tools/command.h"
 
 namespace alidade::test {
 namespace {
@@ -61,6 +65,21 @@ TEST(Options, what_is_declared_through_them_stays_required_under_a_heading) {
   EXPECT_THROW(parser.parse(std::vector<std::string>{"info"}), tools::UsageError);
   EXPECT_EQ(parser.parse(std::vector<std::string>{"info", "--file", "a"}), tools::Parser::Action::work);
   EXPECT_EQ(file, "a");
+}
+
+TEST(Options, those_of_the_command_line_alone_do_not_change_answers) {
+  tools::Parser parser;
+  const tools::Command index = tools::add_index(parser.program());
+  jobs::IndexRequest request;
+  const auto table = std::make_shared<jobs::FieldTable>("index");
+  jobs::add_index_fields(jobs::Fields(table), request);
+  const auto fields = table->given();
+  // A checkpoint of a job is one of the command, and the other way round.
+  for (const std::string& option : index.options.long_names()) {
+    const std::string name = option.substr(2);
+    const bool is_field = std::ranges::any_of(fields, [&](const auto& field) { return field.first == name; });
+    EXPECT_TRUE(is_field || jobs::is_silent(name, {})) << option;
+  }
 }
 
 TEST_F(UsageTest, version_is_a_line_on_stdout) {
