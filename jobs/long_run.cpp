@@ -50,7 +50,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite, PlannedW
   if (is_there && !request.resume && !overwrite)
     throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
   if (!overwrite) check_links(request.file);
-  check_outputs({work.clouds, work.reads, {request.file}}, true);
+  check_outputs({.clouds = work.clouds, .reads = work.reads, .writes = {request.file}}, true);
   // Another file would be replaced, and removed in the end.
   if (is_there && !is_kind(request.file)) {
     throw Error({.file = request.file.string(),

@@ -39,11 +39,12 @@ void check_outputs(const PlannedWork& work, bool overwrite) {
 }
 
 std::string text_of(const PlannedWork& work) {
+  const Damage damage = work.partial ? Damage::read_over : Damage::reject;
   std::string text;
   std::uint64_t points = 0;
   bool are_all_known = true;
   for (const CloudInput& input : work.clouds.inputs) {
-    const auto count = open_stored_cloud(input, input.file(), Damage::read_over)->point_count();
+    const auto count = open_stored_cloud(input, input.file(), damage)->point_count();
     const std::string size = size_of(input.name);
     text += line("reads", input.name,
                  (count ? fmt::format("{} points", *count) : "points not counted yet") +
@@ -56,7 +57,7 @@ std::string text_of(const PlannedWork& work) {
   for (const std::filesystem::path& file : work.writes) {
     std::error_code error;
     if (!file.empty())
-      text += line("writes", file, std::filesystem::is_regular_file(file, error) ? "replacing the file" : "");
+      text += line("writes", file, std::filesystem::is_regular_file(file, error) ? "an existing file" : "");
   }
   if (work.bytes_per_point > 0.0 && are_all_known) {
     const std::optional<std::uint64_t> free = available_memory();

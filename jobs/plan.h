@@ -13,6 +13,7 @@ namespace alidade::jobs {
 /// What a job will read, write and need, as far as that is known before a point is read.
 struct PlannedWork {
   CloudInputs clouds{};
+  bool partial = false;                         ///< damaged clouds are read in part
   std::vector<std::filesystem::path> reads{};   ///< other files; empty names count as none
   std::vector<std::filesystem::path> writes{};  ///< empty names count as none
   /// Memory at the peak, as measured: for each point of the clouds, and beside them. 0 for each point: it does
@@ -25,7 +26,7 @@ struct PlannedWork {
 void check_outputs(const PlannedWork& work, bool overwrite);
 
 /// The work in lines for people, such as "reads   site.las   1000000 points, 38 MB". Opens the clouds to
-/// count their points. Errors: those of open_stored_cloud().
+/// count their points. Errors: those of open_stored_cloud(), damage without `partial` included.
 std::string text_of(const PlannedWork& work);
 
 /// A checked request. Only the plan() of the request makes one: what is made otherwise was not checked.

@@ -207,13 +207,18 @@ Shard parse_shard(std::string_view text) {
   return shard;
 }
 
-StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
-                             const ReadOptions& reading, std::span<const Shard> shards,
-                             const ShardPlanOptions& options) {
-  check_server_table(options.table);
+void check_shard_plan(const std::filesystem::path& folder, const std::string& table) {
+  check_server_table(table);
   const std::filesystem::path whole_folder = (folder / "").parent_path();
   if (std::filesystem::exists(std::filesystem::symlink_status(whole_folder)))
     throw file_error(whole_folder, "the folder exists", "the name of a new folder");
+}
+
+StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
+                             const ReadOptions& reading, std::span<const Shard> shards,
+                             const ShardPlanOptions& options) {
+  check_shard_plan(folder, options.table);
+  const std::filesystem::path whole_folder = (folder / "").parent_path();
   const std::filesystem::path beside = whole_folder.string() + fmt::format(".part{}", ::getpid());
   std::error_code error;
   if (!std::filesystem::create_directory(beside, error))

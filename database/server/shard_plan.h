@@ -31,14 +31,18 @@ struct ShardPlanOptions {
   Progress progress{};  ///< in points, after all are read
 };
 
+/// Lets write_shard_plan() fail before points are read. Errors: the folder exists; a table's name that is
+/// empty, longer than 40 bytes or has control characters.
+void check_shard_plan(const std::filesystem::path& folder, const std::string& table);
+
 /// Writes a folder with files that store a cloud on several PostgreSQL servers, which have the extension
 /// alidade_pg: for shard i, from 1 on, its part of the points along a Morton curve (shard_i.copy), all parts
 /// of equal size up to one point, and the script of its table (shard_i.sql); the script of the table over all
 /// shards for a server that queries them through postgres_fdw (coordinator.sql); and README.txt with
 /// the commands to type. Every part has its box as a CHECK. The folder is written completely or not at all.
 ///
-/// Errors: the folder exists or cannot be written; fewer points than shards; too many columns for PostgreSQL;
-/// a table's name that is empty, longer than 40 bytes or has control characters; those of reading. Cancelled.
+/// Errors: those of check_shard_plan(); the folder cannot be written; fewer points than shards; too many
+/// columns for PostgreSQL; those of reading. Cancelled.
 /// Memory: ShardPlanOptions::memory, and that of CloudReader::read_in_pieces().
 StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
                              const ReadOptions& reading, std::span<const Shard> shards,

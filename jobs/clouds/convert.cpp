@@ -288,7 +288,8 @@ ConvertPlan plan(const ConvertRequest& request) {
     if (const std::string problem = unit_problem(request); !problem.empty())
       throw file_error(request.files.first_name(), "--spacing and --normals measure: " + problem, k_one_unit);
   }
-  return ConvertPlan(request, {.clouds = request.files, .writes = {request.output}});
+  return ConvertPlan(request,
+                     {.clouds = request.files, .partial = request.partial, .writes = {request.output}});
 }
 
 ConvertResult run(const ConvertPlan& plan, Listener& listener) {

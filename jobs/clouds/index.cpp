@@ -257,9 +257,10 @@ IndexPlan plan(const IndexRequest& request) {
   check_writable(request.output, request.overwrite, request.inputs());
   check_checkpoint_folder(request);
   // Points in scratch files take memory of that size only.
-  return IndexPlan(
-      request,
-      {.clouds = request.files, .writes = {request.output}, .bytes_per_point = request.memory ? 0.0 : 39.0});
+  return IndexPlan(request, {.clouds = request.files,
+                             .partial = request.partial,
+                             .writes = {request.output, request.checkpoint.file},
+                             .bytes_per_point = request.memory ? 0.0 : 39.0});
 }
 
 IndexResult run(const IndexPlan& plan, Listener& listener) {

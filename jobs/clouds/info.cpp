@@ -318,7 +318,7 @@ void add_info_fields(const Fields& fields, InfoRequest& request) {
 }
 
 InfoPlan plan(const InfoRequest& request) {
-  return InfoPlan(request, {.clouds = request.files});
+  return InfoPlan(request, {.clouds = request.files, .partial = request.partial});
 }
 
 InfoResult run(const InfoPlan& plan, Listener& listener) {

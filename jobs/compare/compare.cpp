@@ -338,10 +338,11 @@ ComparePlan plan(const CompareRequest& request) {
   } else {
     checked.image_pairs = request.pairs.empty() ? compare::pairs_of_folders(request.reference, request.test)
                                                 : compare::read_pairs(request.pairs);
-    work.reads = {request.pairs};
+    work.reads = {request.pairs, request.comparison.mask};
     for (const compare::ImagePair& pair : checked.image_pairs)
       work.reads.insert(work.reads.end(), {pair.reference, pair.test});
     check_outputs(work, request.overwrite);
+    work.writes.push_back(request.reports);
   }
   return ComparePlan(std::move(checked), std::move(work));
 }

@@ -541,8 +541,10 @@ QueryPlan plan(const QueryRequest& given) {
   // The library's rays are whole lines, as the paper's.
   if (family == TargetFamily::rays && !request.t_min) request.t_min = 0.0;
   const AnswerForm form = chosen_form(request);
-  PlannedWork work{
-      .clouds = request.files, .reads = {request.given(family).text}, .writes = {request.output}};
+  PlannedWork work{.clouds = request.files,
+                   .partial = request.partial,
+                   .reads = {request.given(family).text},
+                   .writes = {request.output}};
   with_geometry(family, [&]<class Target>(std::type_identity<Target>) {
     (void)conditions<Target>(request);
     check_outputs(work, request.overwrite);

@@ -285,6 +285,7 @@ RenderPlan plan(const RenderRequest& given) {
   plan.planned.clouds = plan.request().files;
   plan.planned.bytes_per_point = 28.0;
   plan.planned.bytes_beside = bytes_beside_points(plan.views);
+  plan.planned.partial = plan.request().partial;
   if (plan.request().scene.cloud)
     std::erase_if(plan.planned.reads, [&](const fs::path& file) {
       return std::ranges::count(plan.request().scene.cloud->files, file) > 0;

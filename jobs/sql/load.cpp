@@ -102,11 +102,14 @@ LoadPlan plan(const LoadRequest& request) {
     check_writable(request.output, true, request.files.names());
   }
   const std::string database = checked.server ? checked.server->shown() : request.output.string();
-  return LoadPlan(std::move(checked), {.clouds = request.files, .writes = {database}});
+  return LoadPlan(std::move(checked),
+                  {.clouds = request.files, .partial = request.partial, .writes = {database}});
 }
 
 ShardPlanPlan plan(const ShardPlanRequest& request) {
-  return ShardPlanPlan(request, {.clouds = request.files, .writes = {request.output}});
+  database::check_shard_plan(request.output, request.table);
+  return ShardPlanPlan(request,
+                       {.clouds = request.files, .partial = request.partial, .writes = {request.output}});
 }
 
 database::StoredFiles run(const LoadPlan& plan, Listener& listener) {

@@ -44,8 +44,9 @@ struct CheckedLoad : LoadRequest {
 using LoadPlan = Plan<CheckedLoad>;
 using ShardPlanPlan = Plan<ShardPlanRequest>;
 
-/// Checks all that can be checked before a point is read. Errors: a database with the name of a cloud, or that
-/// is one of the files or cannot be written; a table on a server that is named twice, or has chunks.
+/// Checks all that can be checked before a point is read. Errors: a database with the name of a cloud, or
+/// that is one of the files or cannot be written; a table on a server that is named twice, or has chunks;
+/// those of database::check_shard_plan().
 LoadPlan plan(const LoadRequest& request);
 ShardPlanPlan plan(const ShardPlanRequest& request);
 

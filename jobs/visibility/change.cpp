@@ -31,7 +31,6 @@ struct EpochCloud {
   std::optional<visibility::Occluders> occluders;  ///< empty until they are measured
 };
 
-/// Errors that need no cloud.
 void add_epoch(const Fields& fields, const char* operand, const CloudView& view, EpochRequest& epoch) {
   fields.required().value(
       operand, epoch.name,
@@ -221,6 +220,7 @@ void add_change_fields(const Fields& fields, ChangeRequest& request,
 ChangePlan plan(const ChangeRequest& request) {
   if (!request.output.empty()) check_points_name(request.output);
   PlannedWork work{.clouds = request.before.files,
+                   .partial = request.partial,
                    .reads = {request.before.origins_file, request.after.origins_file},
                    .writes = {request.output},
                    .bytes_per_point = request.memory ? 0.0 : 45.0};

@@ -191,11 +191,15 @@ void add_ignored_classes(const Fields& fields, const std::string& effect, std::b
 PlannedWork VisibilityRequest::work(std::initializer_list<std::filesystem::path> reads,
                                     std::initializer_list<std::filesystem::path> writes) const {
   // Points with their octree, spacings and surfaces; those in scratch files take memory of that size only.
-  PlannedWork work{
-      .clouds = files, .reads = occluders.meshes, .writes = {output}, .bytes_per_point = memory ? 0.0 : 45.0};
+  PlannedWork work{.clouds = files,
+                   .partial = partial,
+                   .reads = occluders.meshes,
+                   .writes = {output},
+                   .bytes_per_point = memory ? 0.0 : 45.0};
   if (is_raster_alone(files)) {
     work.reads.push_back(files.first_name());
     work.clouds = {};
+    work.bytes_per_point = 0.0;
   }
   work.reads.push_back(occluders.terrain);
   work.reads.insert(work.reads.end(), reads);

@@ -53,6 +53,8 @@ TEST_F(CloudJobsTest, plans_check_outputs_before_points_are_read) {
   auto kept = request<jobs::IndexRequest>({"garden.las"}, "garden.alidade");
   kept.checkpoint.file = folder / "kept";
   EXPECT_THROW(plan(kept), Error) << "without memory to sort in";
+  kept.memory = std::size_t{1} << 20;
+  EXPECT_EQ(plan(kept).work().writes, (std::vector{kept.output, kept.checkpoint.file}));
   EXPECT_TRUE(heard.text().empty()) << heard.text();
 }
 

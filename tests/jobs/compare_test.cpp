@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -291,6 +292,11 @@ TEST_F(CompareJobTest, folders_are_pairs_by_name) {
   jobs::CompareRequest request;
   const jobs::ComparePlan checked = plan(read("x y --fail-above flip=0.001", request));
   EXPECT_TRUE(checked.request().is_batch);
+  request.comparison.mask = "mask.pgm";
+  request.reports = "pages";
+  const jobs::PlannedWork work = plan(request).work();
+  EXPECT_EQ(std::ranges::count(work.reads, fs::path("mask.pgm")), 1);
+  EXPECT_EQ(std::ranges::count(work.writes, fs::path("pages")), 1);
   const jobs::CompareResult pairs = run(checked, heard);
   ASSERT_EQ(pairs.size(), 2u);
   EXPECT_EQ(pairs[0].pair.name, "two.pgm") << "the worst first";

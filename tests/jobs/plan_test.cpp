@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "cloud/las/write_las.h"
 #include "jobs/load_cloud.h"
+#include "jobs/visibility/visibility_cloud.h"
 #include "tests/support/garden.h"
 
 namespace alidade::test {
@@ -50,7 +51,7 @@ TEST_F(PlanTest, tells_files_sizes_and_memory) {
   EXPECT_EQ(points, 7533u);
   EXPECT_NE(text.find("\nneeds   about 57.5 MB of memory"), std::string::npos) << text;
   std::ofstream(folder_ / "seen.tif") << "old";
-  EXPECT_NE(text_of(work("garden.las")).find(name("seen.tif") + "  replacing the file\n"), std::string::npos);
+  EXPECT_NE(text_of(work("garden.las")).find(name("seen.tif") + "  an existing file\n"), std::string::npos);
 }
 
 TEST_F(PlanTest, does_not_guess_where_points_are_not_counted) {
@@ -59,8 +60,24 @@ TEST_F(PlanTest, does_not_guess_where_points_are_not_counted) {
   EXPECT_EQ(text.find("needs"), std::string::npos) << text;
 }
 
-TEST_F(PlanTest, a_missing_cloud_is_an_error) {
+TEST_F(PlanTest, a_missing_cloud_is_an_error_and_a_damaged_one_unless_read_in_part) {
   EXPECT_THROW(text_of(work("none.las")), Error);
+  std::filesystem::resize_file(folder_ / "garden.las", 3000);
+  jobs::PlannedWork damaged = work("garden.las");
+  EXPECT_THROW(text_of(damaged), Error);
+  damaged.partial = true;
+  EXPECT_TRUE(text_of(damaged).starts_with("reads   " + name("garden.las")));
+}
+
+TEST_F(PlanTest, memory_for_a_raster_alone_is_unknown) {
+  jobs::VisibilityRequest request;
+  const std::filesystem::path raster = folder_ / "dem.asc";
+  std::ofstream(raster) << "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 4\n";
+  request.files = resolve_clouds({&raster, 1}, jobs::cloud_formats());
+  EXPECT_EQ(request.work().bytes_per_point, 0.0);
+  EXPECT_EQ(request.work().reads.front(), raster);
+  request.files = work("garden.las").clouds;
+  EXPECT_GT(request.work().bytes_per_point, 0.0);
 }
 
 TEST_F(PlanTest, outputs_are_not_inputs_and_differ) {

@@ -297,6 +297,10 @@ TEST_F(SqlJobTest, shards_have_equal_parts_of_the_points) {
   EXPECT_TRUE(fs::exists(folder / "plan/shard_2.copy"));
   ASSERT_EQ(heard.notes.size(), 1u);
   EXPECT_TRUE(heard.notes[0].starts_with("planned 400 points for 2 shards in ")) << heard.notes[0];
+  EXPECT_NE(error_of([&] { return plan(shards); }).find("the folder exists"), std::string::npos);
+  shards.output = folder / "another";
+  shards.table = "";
+  EXPECT_THROW(plan(shards), Error);
 }
 
 TEST_F(SqlJobTest, statements_are_rewritten_within_bounds_of_numbers_or_a_cloud) {
