@@ -2,6 +2,7 @@
 #include "jobs/sql/row_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

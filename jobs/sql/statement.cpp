@@ -51,8 +51,8 @@ std::optional<SqlValue> sql_number(std::string_view text) {
   return error == std::errc() ? real : std::strtod(std::string(text).c_str(), nullptr);
 }
 
-/// NULL, a number, 'text' with quotes in it written twice, or text without quotes. Errors: text without quotes
-/// that begins like a number, with a digit, dot or sign.
+/// NULL, a number, 'text' with quotes in it written twice, or text without quotes. Errors: text without
+/// quotes that begins like a number, with a digit, dot or sign.
 SqlValue sql_value(std::string_view text) {
   if (text == "NULL" || text == "null") return {};
   constexpr const char* k_blanks = " \t\n\v\f\r";
@@ -102,7 +102,10 @@ void bind(sqlite3_stmt* statement, int index, const SqlValue& value) {
   } else if (const auto* const text = std::get_if<std::string>(&value)) {
     result = sqlite3_bind_text64(statement, index, text->data(), text->size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   } else if (const auto* const bytes = std::get_if<std::vector<std::byte>>(&value)) {
-    result = sqlite3_bind_blob64(statement, index, bytes->data(), bytes->size(), SQLITE_TRANSIENT);
+    // A null pointer would be NULL.
+    result = bytes->empty()
+                 ? sqlite3_bind_zeroblob(statement, index, 0)
+                 : sqlite3_bind_blob64(statement, index, bytes->data(), bytes->size(), SQLITE_TRANSIENT);
   }
   if (result != SQLITE_OK) throw file_error("--param", sqlite3_errstr(result));
 }

@@ -189,6 +189,15 @@ TEST_F(SqlJobTest, parameters_without_and_with_names_may_be_in_one_statement) {
   EXPECT_EQ(json("SELECT ?2 AS a, :b AS b, ?1 AS c", {"1", "2", "b=3"}), "[{\"a\":2,\"b\":3,\"c\":1}]\n");
 }
 
+TEST_F(SqlJobTest, no_bytes_are_not_null) {
+  jobs::SqlRequest bytes = request("SELECT hex(?), typeof(?), typeof(?)");
+  using Bytes = std::vector<std::byte>;
+  for (const Bytes& value : {Bytes{std::byte{0}, std::byte{255}}, Bytes(), Bytes()})
+    bytes.parameters.values.push_back({"", value});
+  bytes.parameters.values.back().value = {};
+  EXPECT_EQ(text(bytes), "hex(?),typeof(?),typeof(?)\n00FF,blob,null\n");
+}
+
 TEST_F(SqlJobTest, what_cannot_be_run_is_an_error_before_a_row) {
   const std::vector<std::tuple<std::string, Words, std::string>> cases = {
       {"SELECT 1; SELEC 2", {}, "statement:1:11: the statement is not read-only; expected SELECT"},
