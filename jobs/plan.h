@@ -16,8 +16,8 @@ struct PlannedWork {
   bool partial = false;                         ///< damaged clouds are read in part
   std::vector<std::filesystem::path> reads{};   ///< other files; empty names count as none
   std::vector<std::filesystem::path> writes{};  ///< empty names count as none
-  /// Memory at the peak, as measured: for each point of the clouds, and beside them. 0 for each point: it does
-  /// not depend on them.
+  /// Memory at the peak, as measured: for each point of the clouds, and beside them. 0 for each point: it
+  /// does not depend on them.
   double bytes_per_point = 0.0;
   double bytes_beside = 50e6;  ///< libraries, threads, buffers
 };

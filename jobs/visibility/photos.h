@@ -35,7 +35,7 @@ struct PhotosRequest : VisibilityRequest {
 void add_photos_fields(const Fields& fields, PhotosRequest& request);
 
 struct CheckedPhotos : PhotosRequest {
-  camera::CameraSet camera_set;
+  camera::CameraSet camera_set;  ///< read from the file
 };
 using PhotosPlan = Plan<CheckedPhotos>;
 
@@ -55,10 +55,9 @@ struct PhotosResult {
 std::vector<ResultColumn> columns_of(const visibility::PhotoVisibility& seen);
 
 /// Computes what the photos see, and writes the points and footprints where the request has files for them.
-/// Errors: photos that are missing, of
-/// another size than their cameras, or cannot be read; those of load_cloud_alone() and
-/// visibility::photo_visibility(); Cancelled. Memory: the cloud, its surfaces, and that of
-/// visibility::photo_visibility().
+/// Errors: photos that are missing, of another size than their cameras, or cannot be read; those of
+/// load_cloud_alone() and visibility::photo_visibility(); Cancelled. Memory: the cloud, its surfaces, and
+/// that of visibility::photo_visibility().
 PhotosResult run(const PhotosPlan& plan, Listener& listener);
 
 }  // namespace alidade::jobs

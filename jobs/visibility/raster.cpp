@@ -159,7 +159,6 @@ void check_objects(const RasterRequest& request) {
   }
 }
 
-/// Errors that need no cloud.
 visibility::ViewshedOptions options_of(const RasterRequest& request, const CloudUnit& unit) {
   visibility::ViewshedOptions options;
   options.mode = request.mode();

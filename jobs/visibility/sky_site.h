@@ -39,8 +39,8 @@ struct SkySiteRequest : VisibilityRequest {
 /// Declares the fields of both but those of the cloud.
 void add_sky_site_fields(const Fields& fields, SkySiteRequest& request);
 
-/// Errors that need no cloud: an output of another format, or that cannot be written; fields that do not
-/// apply to this kind of output.
+/// What is read, `reads` too, and written. Errors that need no cloud: an output of another format, or that
+/// cannot be written; fields that do not apply to this kind of output; those of check_checkpoint().
 PlannedWork plan_sky_site(const SkySiteRequest& request,
                           std::initializer_list<std::filesystem::path> reads = {});
 

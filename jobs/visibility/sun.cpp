@@ -80,7 +80,7 @@ SunResult point_sun(const SunRequest& request, const VisibilityCloud& cloud, con
   return result;
 }
 
-/// Errors that need no cloud.
+/// What is read and written for observers. Errors that need no cloud.
 PlannedWork plan_observers(const SunRequest& request) {
   const auto reject = [](const std::string& option) {
     throw input_error(option + " does not apply to --observer", "a map (.tif) or points (.las, .laz, .ply)");
