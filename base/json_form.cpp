@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "base/words.h"
+
 namespace alidade {
 namespace {
 
@@ -34,7 +36,7 @@ Json json_number(double number) {
 }
 
 Json json_number(float number) {
-  return json_number(std::stod(fmt::format("{}", number)));
+  return json_number(parse_number(fmt::format("{}", number)).value_or(number));
 }
 
 JsonForm<double> number_form(const NumberRange& range) {

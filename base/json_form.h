@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -17,20 +18,21 @@
 #include "base/color.h"
 #include "base/json.h"
 
-// What stands in a JSON file, described once: a form reads a value of a file, writes it, and says in JSON
-// Schema which values it accepts. Forms of structs and lists are made of the forms of their parts.
+// The values of a JSON file, described once: a form reads a value, writes it, and has the JSON Schema of the
+// values that it accepts. Forms of structs and lists are made of the forms of their parts.
 
 namespace alidade {
 
 /// A value to be written, whose keys keep their order.
 using Json = nlohmann::ordered_json;
 
-/// How one kind of value stands in a file.
+/// The form of one kind of value in a file.
 template <class Value>
 struct JsonForm {
   /// Errors: those of JsonNode.
   std::function<Value(const JsonNode&)> read;
-  /// Different values have different texts; read() returns the same value, bit for bit.
+  /// Requires: numbers are finite. Different values have different texts; of a value that a file can have,
+  /// read() returns the same one, bit for bit.
   std::function<Json(const Value&)> write;
   Json schema;  ///< draft 2020-12
 };
@@ -251,7 +253,7 @@ JsonKind<Variant> kind(const std::string& word, const std::string& description, 
           }};
 }
 
-/// An object whose "type" tells its kind.
+/// An object whose "type" is the word of its kind.
 template <class Variant>
 JsonForm<Variant> kinds_form(const std::string& description, std::vector<JsonKind<Variant>> kinds) {
   Json schema = Json::object();

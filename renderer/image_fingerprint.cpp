@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "camera/camera_json.h"
@@ -42,13 +43,24 @@ std::string file_names(const CloudSettings& settings) {
   return names;
 }
 
+/// Names of files and attributes that are not UTF-8 count by a checksum.
+std::string text_of(const Json& value) {
+  constexpr std::string_view k_replaced = "\uFFFD";
+  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.find(k_replaced) != text.npos) {
+    const std::vector<std::uint8_t> bytes = Json::to_cbor(value);
+    text += fmt::format(" {:016x}", checksum(std::as_bytes(std::span(bytes))));
+  }
+  return text;
+}
+
 }  // namespace
 
 // What is in a file counts by its checksum: parts of an image come from machines with other folders.
 
 std::string text_of(CloudSettings settings) {
   for (std::filesystem::path& file : settings.files) file = file.filename();
-  return cloud_form().write(settings).dump();
+  return text_of(cloud_form().write(settings));
 }
 
 std::string text_of(const std::vector<Object>& objects) {
@@ -60,12 +72,12 @@ std::string text_of(const std::vector<Object>& objects) {
     else
       all.push_back(scene_object_form().write(object));
   }
-  return all.dump();
+  return text_of(all);
 }
 
 std::string text_of(Sky sky) {
   ImageSky* const image = std::get_if<ImageSky>(&sky);
-  if (image == nullptr) return sky_form().write(sky).dump();
+  if (image == nullptr) return text_of(sky_form().write(sky));
   image->file = image->file.filename();
   Json written = sky_form().write(sky);
   if (image->image) {
@@ -73,11 +85,11 @@ std::string text_of(Sky sky) {
     written["pixels"] = {pixels.width, pixels.height,
                          fmt::format("{:016x}", checksum(std::as_bytes(std::span(pixels.values))))};
   }
-  return written.dump();
+  return text_of(written);
 }
 
 std::string text_of(const std::optional<geo::Sun>& sun) {
-  return sun ? sun_form().write(*sun).dump() : "none";
+  return sun ? text_of(sun_form().write(*sun)) : "none";
 }
 
 Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options) {

@@ -10,8 +10,8 @@
 
 namespace alidade::renderer {
 
-// Parts of a scene as texts that are equal exactly if the parts are. They are for comparing, not for reading
-// back.
+// Parts of a scene as texts that are equal exactly if the parts are; of files, names without folders. They
+// are for comparing, not for reading back. Requires: numbers are finite.
 
 std::string text_of(CloudSettings settings);
 /// Requires surfaces for every Model.

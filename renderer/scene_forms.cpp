@@ -254,8 +254,7 @@ JsonKeys<CloudSettings> cloud_keys() {
       key<CloudSettings>(
           "partial", &CloudSettings::partial, boolean_form(),
           "whether to read the intact part of damaged files and report what is lost; otherwise a damaged "
-          "file "
-          "causes an error"),
+          "file causes an error"),
       radius_key(),
       key<CloudSettings>(
           "hits", &CloudSettings::hits, word_form<HitMode>({{"entry", HitMode::entry}, {"t", HitMode::t}}),
@@ -418,9 +417,8 @@ JsonForm<GivenSun> given_sun_form() {
             return read_sun(node, keys, keys_by_time);
           },
           [keys = sun_keys(), keys_by_time = sun_by_time_keys()](const GivenSun& sun) {
-            const auto* by_angles = std::get_if<geo::Sun>(&sun);
-            return by_angles ? write_keys(keys, *by_angles)
-                             : write_keys(keys_by_time, std::get<geo::SunByTime>(sun));
+            const auto* const given = std::get_if<geo::Sun>(&sun);
+            return given ? write_keys(keys, *given) : write_keys(keys_by_time, std::get<geo::SunByTime>(sun));
           },
           {{"description", "a disc of even radiance, infinitely far away; left out: no sun"},
            {"oneOf", {std::move(by_angles), std::move(by_time)}}}};
@@ -491,8 +489,7 @@ JsonForm<image::OutputSettings> output_form() {
        key<OutputSettings>(
            "transparent", &OutputSettings::transparent, boolean_form(),
            "whether the sky that the camera sees is left out: alpha in PNG and GeoTIFF, premultiplied "
-           "colours "
-           "in EXR"),
+           "colours in EXR"),
        key<OutputSettings>("precision", &OutputSettings::half,
                            word_form<bool>({{"half", true}, {"float", false}}),
                            "of colour, normal and albedo in EXR")});
@@ -612,8 +609,7 @@ const JsonForm<Scene>& scene_form() {
   static const JsonForm<Scene> form = [] {
     JsonForm<Scene> keys = object_form<Scene>(
         "Lengths are in the unit of the cloud's reference system, mostly metres; z is up; paths are relative "
-        "to "
-        "the file.",
+        "to the file.",
         scene_keys());
     Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                 {"$id", "scene.schema.json"},

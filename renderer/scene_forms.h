@@ -10,7 +10,8 @@
 
 namespace alidade::renderer {
 
-/// A whole scene file. Written is what such a file can say; names of files as they are in the scene.
+/// A whole scene file. write() leaves out what no such file has; it writes names of files as they are in the
+/// scene, which are relative to the working directory.
 const JsonForm<Scene>& scene_form();
 
 const JsonForm<CloudSettings>& cloud_form();

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 #include <filesystem>
 
+#include <cmath>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "tests/renderer/mixed_scene.h"
@@ -396,6 +398,130 @@ TEST(SceneText, differs_where_the_scene_does) {
   EXPECT_NE(text_of(Sky(ConstantSky{})), text_of(Sky(GradientSky{})));
   EXPECT_NE(text_of(std::vector<Object>{Sphere{}}), text_of(std::vector<Object>{GroundPlane{}}));
   EXPECT_NE(text_of(std::optional<Sun>(Sun{})), text_of(std::optional<Sun>(Sun{.azimuth = 136})));
+}
+
+/// Texts of parts that must all differ.
+struct DifferentTexts {
+  std::set<std::string> seen{};
+
+  template <class Part>
+  void add(const Part& part) {
+    EXPECT_TRUE(seen.insert(text_of(part)).second) << text_of(part);
+  }
+};
+
+// Structs are taken apart: a member that is added to one of them does not compile here until it is changed,
+// too, which fails until its key is in scene_forms.cpp.
+TEST(SceneText, has_every_member_of_a_cloud) {
+  CloudSettings cloud;
+  DifferentTexts texts;
+  texts.add(cloud);
+  const auto change = [&](auto& member, auto value) {
+    member = value;
+    texts.add(cloud);
+  };
+  auto& [files, partial, color_depth, radius, adapted_radius, hits, color, material, normals, shape,
+         max_level] = cloud;
+  change(files, std::vector<std::filesystem::path>{"a.las"});
+  change(partial, true);
+  change(color_depth, ColorDepth::bits_8);
+  change(radius, 0.1);
+  change(hits, HitMode::t);
+  change(normals, NormalMode::smooth);
+  change(shape, PointShape::blend);
+  change(max_level, 3);
+  change(adapted_radius, AdaptedRadius{});
+  auto& [neighbours, factor, max] = *adapted_radius;
+  change(neighbours, 9);
+  change(factor, 0.5);
+  change(max, 2.0);
+  auto& [by, attribute, map, range, percentiles, classes] = color;
+  change(by, PointColor::height);
+  change(map, ColorMap::viridis);
+  change(range, ValueRange{0, 1});
+  change(percentiles, ValueRange{2, 98});
+  change(classes, std::vector<ClassColor>{{}});
+  auto& [number, class_color, name] = classes[0];
+  change(number, std::uint8_t{2});
+  change(class_color, Color16(257));
+  change(class_color, Color16(258));
+  change(name, "ground");
+  color = {.by = PointColor::attribute};
+  change(color.attribute, "Range");
+}
+
+TEST(SceneText, has_every_member_of_what_is_around) {
+  DifferentTexts texts;
+  const auto add_material = [&](const Material& material) {
+    texts.add(std::vector<Object>{Sphere{.material = material}});
+  };
+  {
+    [[maybe_unused]] const auto& [albedo] = Lambertian{};
+    [[maybe_unused]] const auto& [metal_albedo, roughness] = Metal{};
+    [[maybe_unused]] const auto& [refractive_index] = Dielectric{};
+    [[maybe_unused]] const auto& [radiance] = Emissive{};
+  }
+  add_material(Lambertian{});
+  add_material(Lambertian{Rgb(0.1f)});
+  add_material(Lambertian{Rgb(std::nextafter(0.1f, 1.0f))});
+  add_material(Metal{});
+  add_material(Metal{Rgb(0.1f)});
+  add_material(Metal{.albedo = Rgb(0.1f), .roughness = 0.25});
+  add_material(Dielectric{});
+  add_material(Dielectric{1.25});
+  add_material(Emissive{});
+  add_material(Emissive{Rgb(7.0f)});
+  Sphere sphere;
+  auto& [center, sphere_radius, sphere_material] = sphere;
+  center = {0, 0, -0.0};
+  texts.add(std::vector<Object>{sphere});
+  sphere_radius = 2;
+  texts.add(std::vector<Object>{sphere});
+  GroundPlane plane;
+  auto& [height, plane_material] = plane;
+  texts.add(std::vector<Object>{plane});
+  height = 1;
+  texts.add(std::vector<Object>{plane});
+  plane_material = Metal{};
+  texts.add(std::vector<Object>{plane});
+
+  texts.add(Sky(ConstantSky{}));
+  texts.add(Sky(ConstantSky{Rgb(1.0f)}));
+  texts.add(Sky(GradientSky{}));
+  texts.add(Sky(GradientSky{.horizon = Rgb(0.0f)}));
+  texts.add(Sky(GradientSky{.zenith = Rgb(0.0f)}));
+  ImageSky image_sky;
+  auto& [file, scale, rotation, image] = image_sky;
+  texts.add(Sky(image_sky));
+  file = "a.hdr";
+  texts.add(Sky(image_sky));
+  scale = 2;
+  texts.add(Sky(image_sky));
+  rotation = 5;
+  texts.add(Sky(image_sky));
+
+  std::optional<Sun> sun;
+  texts.add(sun);
+  sun.emplace();
+  texts.add(sun);
+  auto& [azimuth, elevation, irradiance, angular_diameter] = *sun;
+  azimuth = 1;
+  texts.add(sun);
+  elevation = 1;
+  texts.add(sun);
+  irradiance = Rgb(1.0f);
+  texts.add(sun);
+  angular_diameter = 1;
+  texts.add(sun);
+}
+
+TEST(SceneText, has_names_that_are_not_utf_8) {
+  CloudSettings cloud;
+  DifferentTexts texts;
+  for (const char* const name : {"a\xE9.las", "a\xE8.las", "a\uFFFD.las", "a.las"}) {
+    cloud.files = {name};
+    texts.add(cloud);
+  }
 }
 
 }  // namespace
