@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/shown_text.h"
 #include "base/words.h"
 #include "jobs/long_run.h"
 #include "jobs/outputs.h"
@@ -17,10 +18,16 @@ bool takes_many(const FieldEntry& field) {
   return field.form == FieldForm::repeated || field.form == FieldForm::words;
 }
 
-std::string own_name(const FieldEntry& field) {
-  std::string name = long_name(field);
+std::string with_underscores(std::string name) {
   std::ranges::replace(name, '-', '_');
   return name;
+}
+
+/// Whether the part of a text from `begin` to `end` is a word of a sentence, not a part of a file's name.
+bool is_word(std::string_view text, std::size_t begin, std::size_t end) {
+  if (begin > 0 && std::string_view(" '\"(").find(text[begin - 1]) == text.npos) return false;
+  const std::string_view rest = text.substr(end, 2);
+  return !rest.starts_with('/') && (rest.size() < 2 || rest[0] != '.' || rest[1] == ' ');
 }
 
 }  // namespace
@@ -36,6 +43,11 @@ std::string long_name(const FieldEntry& field) {
   const std::vector<std::string> names = split_list(field.names);
   const auto first = std::ranges::find_if_not(names, is_letter);
   return plain_names(field)[static_cast<std::size_t>(first == names.end() ? 0 : first - names.begin())];
+}
+
+std::string own_name(const FieldEntry& field) {
+  const bool are_files = is_operand(field) && field.form == FieldForm::words;
+  return are_files ? "files" : with_underscores(long_name(field));
 }
 
 std::size_t FieldTable::declare(FieldEntry entry) {
@@ -55,50 +67,57 @@ std::vector<std::pair<std::string, std::vector<std::string>>> FieldTable::given(
 }
 
 void FieldTable::give(std::string_view name, std::vector<std::string> texts) {
-  std::string plain(name);
-  std::ranges::replace(plain, '_', '-');
+  const std::size_t i = index_of(name);
+  const FieldEntry& field = entries_[i];
+  const bool is_flag = field.form == FieldForm::flag;
+  if (is_flag ? !texts.empty() : takes_many(field) ? texts.size() < field.least : texts.size() != 1)
+    throw UsageError(fmt::format("{}: expected {}, found {}", name,
+                                 is_flag ? "no value"
+                                 : takes_many(field)
+                                     ? fmt::format("at least {}", quantity(field.least, "values"))
+                                     : "one value",
+                                 texts.size()));
+  // Names of files and conditions would end there.
+  for (const std::string& text : texts)
+    if (text.find('\0') != text.npos)
+      throw UsageError(fmt::format("{}: invalid value; expected a text without bytes of value 0, found '{}'",
+                                   name, line_text(text)));
+  if (is_flag) texts = {""};
+  if (field.form != FieldForm::repeated) texts_[i].clear();
+  std::ranges::move(texts, std::back_inserter(texts_[i]));
+}
+
+std::size_t FieldTable::index_of(std::string_view name) const {
+  const std::string wanted = with_underscores(std::string(name));
   std::vector<std::string> known;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    const FieldEntry& field = entries_[i];
-    for (std::string own : plain_names(field)) {
-      std::ranges::replace(own, '_', '-');
-      known.push_back(own);
-      if (own != plain) continue;
-      const bool is_flag = field.form == FieldForm::flag;
-      if (is_flag ? !texts.empty() : takes_many(field) ? texts.size() < field.least : texts.size() != 1)
-        throw UsageError(fmt::format("{}: expected {}, found {} values", name,
-                                     is_flag             ? "no value"
-                                     : takes_many(field) ? fmt::format("at least {}", field.least)
-                                                         : "one value",
-                                     texts.size()));
-      if (is_flag) texts = {""};
-      if (field.form != FieldForm::repeated) texts_[i].clear();
-      std::ranges::move(texts, std::back_inserter(texts_[i]));
-      return;
+    std::vector<std::string> names = plain_names(entries_[i]);
+    names.push_back(own_name(entries_[i]));
+    for (std::string& one : names) {
+      one = with_underscores(std::move(one));
+      if (one == wanted) return i;
+      known.push_back(std::move(one));
     }
   }
   const std::vector<std::string_view> views(known.begin(), known.end());
-  const std::string_view nearest = nearest_word(plain, views);
+  const std::string_view nearest = nearest_word(wanted, views);
   throw UsageError(fmt::format("unknown field '{}' of {}{}", name, name_,
                                nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
 }
 
 std::string FieldTable::in_own_words(std::string_view text) const {
   std::string words;
-  while (true) {
-    const std::size_t begin = text.find("--");
-    words += text.substr(0, begin);
-    if (begin == text.npos) return words;
-    text.remove_prefix(begin + 2);
-    const std::size_t length =
-        std::min(text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_"), text.size());
-    const std::string_view option = text.substr(0, length);
+  for (std::size_t end = 0; end < text.size();) {
+    const std::size_t begin = std::min(text.find("--", end), text.size());
+    words += text.substr(end, begin - end);
+    end = std::min(text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_", begin), text.size());
+    const std::string_view option = text.substr(begin, end - begin);
     const auto field = std::ranges::find_if(entries_, [option](const FieldEntry& entry) {
-      return std::ranges::count(plain_names(entry), option) > 0;
+      return option.size() > 2 && std::ranges::count(plain_names(entry), option.substr(2)) > 0;
     });
-    words += field == entries_.end() ? "--" + std::string(option) : own_name(*field);
-    text.remove_prefix(length);
+    words += field != entries_.end() && is_word(text, begin, end) ? own_name(*field) : std::string(option);
   }
+  return words;
 }
 
 void FieldTable::waive(std::string_view name) {

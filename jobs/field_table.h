@@ -40,11 +40,15 @@ class FieldTable : public FieldSink {
 
   /// Gives a field its texts: one, but any number if it is repeated or takes words, and none for a flag.
   /// Given again, a repeated field has more of them, others have the last. `name`: any of the field's,
-  /// without hyphens in front; '_' may stand for '-'. Errors: UsageError if there is no such
-  /// field, naming the nearest, or if the number of texts is wrong.
+  /// without hyphens in front, or own_name(); '_' may stand for '-'. Errors: UsageError if there is no such
+  /// field, naming the nearest, if the number of texts is wrong, or if one has a byte of value 0.
   void give(std::string_view name, std::vector<std::string> texts);
 
-  /// A text in which the options of fields have their names, with '_': "observer_grid" for "--observer-grid".
+  /// The field of a name, as of give(). Errors: UsageError if there is none, naming the nearest.
+  const FieldEntry& entry(std::string_view name) const { return entries_[index_of(name)]; }
+
+  /// A text in which the options of fields have their own_name(): "observer_grid" for "--observer-grid".
+  /// Names of files that contain such options are left as they are.
   std::string in_own_words(std::string_view text) const;
 
   /// A required field of this name need not be given: the caller has another way for it.
@@ -56,6 +60,8 @@ class FieldTable : public FieldSink {
   void read() const;
 
  private:
+  std::size_t index_of(std::string_view name) const;
+
   std::string name_;
   std::function<bool()> stops_;
   std::vector<FieldEntry> entries_{};
@@ -76,5 +82,7 @@ std::vector<std::string> plain_names(const FieldEntry& field);
 /// The first of them that is not an option of one letter: the name in messages. Others are those of other
 /// programs.
 std::string long_name(const FieldEntry& field);
+/// long_name() with '_' for '-'; `files` for an operand with any number of words.
+std::string own_name(const FieldEntry& field);
 
 }  // namespace alidade::jobs

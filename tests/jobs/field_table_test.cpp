@@ -88,10 +88,14 @@ TEST_F(FieldTableTest, what_was_given_is_listed_in_the_order_of_declaration) {
 
 TEST_F(FieldTableTest, wrong_uses_name_the_field) {
   EXPECT_EQ(error_of_giving("radios", {"1"}), "unknown field 'radios' of thing; did you mean 'radius'?");
-  EXPECT_EQ(error_of_giving("radius", {}), "radius: expected one value, found 0 values");
-  EXPECT_EQ(error_of_giving("radius", {"1", "2"}), "radius: expected one value, found 2 values");
-  EXPECT_EQ(error_of_giving("overwrite", {"yes"}), "overwrite: expected no value, found 1 values");
-  EXPECT_EQ(error_of_giving("cloud", {"a.las"}), "cloud: expected at least 2, found 1 values");
+  EXPECT_EQ(error_of_giving("radius", {}), "radius: expected one value, found 0");
+  EXPECT_EQ(error_of_giving("radius", {"1", "2"}), "radius: expected one value, found 2");
+  EXPECT_EQ(error_of_giving("overwrite", {"yes"}), "overwrite: expected no value, found 1");
+  EXPECT_EQ(error_of_giving("files", {"a.las"}), "files: expected at least 2 values, found 1");
+  EXPECT_EQ(error_of_giving("target_cont", {"1"}),
+            "unknown field 'target_cont' of thing; did you mean 'target_count'?");
+  EXPECT_EQ(error_of_giving("output", {std::string("a\0.tif", 6)}),
+            "output: invalid value; expected a text without bytes of value 0, found 'a\\x00.tif'");
   EXPECT_EQ(error_of_reading(), "missing output; expected FILE");
   table->give("output", {""});
   EXPECT_EQ(error_of_reading(), "output: invalid value; expected a file name, found ''");
@@ -117,6 +121,10 @@ TEST_F(FieldTableTest, messages_name_fields_in_place_of_options) {
   EXPECT_EQ(table->in_own_words("--target-count requires --radius R; --other, a--b"),
             "target_count requires radius R; --other, a--b");
   EXPECT_EQ(table->in_own_words("--"), "--");
+  EXPECT_EQ(table->in_own_words("expected '--radius', (--to) or --output."),
+            "expected 'radius', (to) or output.");
+  for (const char* const file : {"a--to: no file", "--output.las: no file", "site/--to/a.las: no file"})
+    EXPECT_EQ(table->in_own_words(file), file);
 }
 
 TEST_F(FieldTableTest, a_field_that_needs_another_is_not_read_alone) {
