@@ -174,12 +174,18 @@ void add_systems(const Fields& group, const CloudView& target, HeightUse height_
           view->height_unit, {{"m", k_metre}, {"ft", k_foot}, {"us-ft", k_survey_foot}});
 }
 
-/// Set by ALIDADE_CACHE, then by fields.
-geo::RemoteOptions& remote_options() {
-  static geo::RemoteOptions options = [] {
-    const char* const folder = std::getenv("ALIDADE_CACHE");
-    return geo::RemoteOptions{.cache = folder != nullptr ? folder : ""};
-  }();
+/// Set by ALIDADE_CACHE, then by fields, of jobs on many threads.
+struct SharedRemoteOptions {
+  std::mutex mutex;
+  geo::RemoteOptions options;
+
+  SharedRemoteOptions() {
+    if (const char* const folder = std::getenv("ALIDADE_CACHE")) options.cache = folder;
+  }
+};
+
+SharedRemoteOptions& remote_options() {
+  static SharedRemoteOptions& options = *new SharedRemoteOptions;  // never destroyed: threads may read files
   return options;
 }
 
@@ -252,7 +258,8 @@ void add_remote_fields(const Fields& fields) {
               "time (default: the environment variable ALIDADE_CACHE; without it nothing is kept)",
               [](const std::string& text) {
                 if (text.empty()) throw UsageError("missing value; expected a folder");
-                remote_options().cache = text;
+                const std::scoped_lock lock(remote_options().mutex);
+                remote_options().options.cache = text;
               });
   group.values("--allow-host", "HOST",
                "accept files of this web server, such as example.org or example.org:8080, in catalogs, and "
@@ -268,11 +275,18 @@ void add_remote_fields(const Fields& fields) {
   group.value("--cache-size", "SIZE",
               "largest size of that folder, such as 500M or 20G (default 1G); what was not used for longest "
               "is removed",
-              [](const std::string& text) { remote_options().cache_bytes = parse_size(text); });
+              [](const std::string& text) {
+                const std::size_t bytes = parse_size(text);
+                const std::scoped_lock lock(remote_options().mutex);
+                remote_options().options.cache_bytes = bytes;
+              });
 }
 
 std::unique_ptr<RemoteFile> open_remote(const std::string& name, bool (*is_interrupted)()) {
-  geo::RemoteOptions options = remote_options();
+  geo::RemoteOptions options = [] {
+    const std::scoped_lock lock(remote_options().mutex);
+    return remote_options().options;
+  }();
   options.is_interrupted = is_interrupted;
   options.hosts = hosts_for(name);
   return geo::open_remote_file(name, options);
