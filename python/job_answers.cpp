@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "python/job_answers.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -42,44 +43,67 @@ py::object texts_of(std::size_t count, const std::function<const std::string&(st
 }
 
 /// A value of a row; none: no value.
-using Cell = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
+using Cell = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<std::byte>>;
 
-/// The values of a column in an array of one kind: texts; bool; whole numbers; or else numbers, NaN for no
-/// value.
+py::object object_of_cell(const Cell& cell) {
+  return std::visit(
+      []<class Value>(const Value& value) -> py::object {
+        if constexpr (std::is_same_v<Value, std::monostate>)
+          return py::none();
+        else if constexpr (std::is_same_v<Value, std::string>)
+          return text_of(value);
+        else if constexpr (std::is_same_v<Value, std::vector<std::byte>>)
+          return py::bytes(reinterpret_cast<const char*>(value.data()), value.size());
+        else
+          return py::cast(value);
+      },
+      cell);
+}
+
+/// The cell as a number, NaN for no value; none: it is no number, or a whole one that no double is.
+std::optional<double> number_of(const Cell& cell) {
+  constexpr std::int64_t k_largest_exact = std::int64_t{1} << 53;
+  if (const auto* const whole = std::get_if<std::int64_t>(&cell))
+    return *whole <= k_largest_exact && *whole >= -k_largest_exact ? std::optional<double>(*whole)
+                                                                   : std::nullopt;
+  if (const auto* const truth = std::get_if<bool>(&cell)) return *truth;
+  if (const auto* const number = std::get_if<double>(&cell)) return *number;
+  return std::holds_alternative<std::monostate>(cell) ? std::optional(k_no_number) : std::nullopt;
+}
+
+/// The cell as a text, an empty one for no value; null: it is none, or one that arrays of NumPy would cut.
+const std::string* text_of_cell(const Cell& cell) {
+  static const std::string none;
+  if (std::holds_alternative<std::monostate>(cell)) return &none;
+  const auto* const text = std::get_if<std::string>(&cell);
+  return text != nullptr && text->ends_with('\0') ? nullptr : text;
+}
+
+/// The values of a column in an array of one kind: bool; whole numbers; numbers, NaN for no value; texts; or
+/// else objects.
 py::object column_of(std::size_t count, const std::function<Cell(std::size_t)>& cell) {
   std::vector<Cell> cells;
   for (std::size_t i = 0; i < count; ++i) cells.push_back(cell(i));
-  const auto all = [&]<class Value>(Value) {
-    return std::ranges::all_of(
-        cells, &std::holds_alternative<Value, std::monostate, bool, std::int64_t, double, std::string>);
+  const auto are = [&]<class Value>(Value) {
+    return !cells.empty() &&
+           std::ranges::all_of(cells, [](const Cell& one) { return std::get_if<Value>(&one); });
   };
   const auto value = [&]<class Value>(Value) {
     return [&](std::size_t i) { return std::get<Value>(cells[i]); };
   };
-  if (all(bool{})) return array_of(count, value(bool{}));
-  if (all(std::int64_t{})) return array_of(count, value(std::int64_t{}));
-  if (std::ranges::any_of(cells, [](const Cell& one) { return std::holds_alternative<std::string>(one); }))
-    return texts_of(count, [&](std::size_t i) -> const std::string& {
-      static const std::string none;
-      const auto* const text = std::get_if<std::string>(&cells[i]);
-      return text ? *text : none;
-    });
-  return array_of(count, [&](std::size_t i) {
-    const auto* const whole = std::get_if<std::int64_t>(&cells[i]);
-    const auto* const number = std::get_if<double>(&cells[i]);
-    return whole ? static_cast<double>(*whole) : number ? *number : k_no_number;
-  });
+  if (are(bool{})) return array_of(count, value(bool{}));
+  if (are(std::int64_t{})) return array_of(count, value(std::int64_t{}));
+  if (std::ranges::all_of(cells, [](const Cell& one) { return number_of(one).has_value(); }))
+    return array_of(count, [&](std::size_t i) { return *number_of(cells[i]); });
+  if (std::ranges::all_of(cells, text_of_cell))
+    return texts_of(count, [&](std::size_t i) -> const std::string& { return *text_of_cell(cells[i]); });
+  py::list objects;
+  for (const Cell& one : cells) objects.append(object_of_cell(one));
+  return py::module_::import("numpy").attr("array")(objects, py::arg("dtype") = "O");
 }
 
 Cell cell_of(const jobs::SqlValue& value) {
-  return std::visit(
-      []<class Value>(const Value& one) -> Cell {
-        if constexpr (std::is_same_v<Value, std::vector<std::byte>>)
-          return std::string(reinterpret_cast<const char*>(one.data()), one.size());
-        else
-          return one;
-      },
-      value);
+  return std::visit([](const auto& one) { return Cell(one); }, value);
 }
 
 Cell cell_of(const visibility::Row& value) {
@@ -129,6 +153,13 @@ py::dict columns_of_points(const std::vector<jobs::ResultColumn>& columns, std::
     arrays[text_of(column.description.name)] = array;
   }
   return arrays;
+}
+
+/// The name of another column: "x:1" beside a column x, as SQLite names it in a table.
+py::str unused_name(const py::dict& columns, const std::string& name) {
+  py::str unused = text_of(name);
+  for (int i = 1; columns.contains(unused); ++i) unused = text_of(fmt::format("{}:{}", name, i));
+  return unused;
 }
 
 py::object points_of(const py::dict& columns, const py::dict& rows, const Crs& crs) {
@@ -355,7 +386,7 @@ py::object answer_of(const jobs::SqlPlan&, const jobs::SqlResult& result) {
   for (const jobs::StatementResult& one : result) {
     py::dict columns;
     for (std::size_t i = 0; i < one.columns.size(); ++i)
-      columns[text_of(one.columns[i])] =
+      columns[unused_name(columns, one.columns[i])] =
           column_of(one.values[i].size(), [&](std::size_t row) { return cell_of(one.values[i][row]); });
     statements.append(answer_type("Rows")(columns, py::none(), py::dict()));
   }

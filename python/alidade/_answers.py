@@ -77,7 +77,7 @@ class Points(NamedTuple):
 
 class Rows(NamedTuple):
     """Rows of a job's output: columns by name, coordinate reference system, and facts that are not of a single row. A
-    column without a value in every row has numbers, nan where there is none."""
+    column without a value in every row has numbers, nan where there is none; one of several kinds has objects."""
     columns: Dict[str, NDArray[Any]]
     crs: Optional[str]
     facts: Dict[str, Any]
