@@ -89,9 +89,9 @@ bool is_interrupted() {
   return has_interruption;
 }
 
-void raise_interruption() {
+void raise_interruption(const Error& otherwise) {
   if (PyErr_Occurred() != nullptr || PyErr_CheckSignals() != 0) throw py::error_already_set();
-  throw input_error("the wait for a server was interrupted", "the cloud, opened again");
+  throw otherwise;
 }
 
 void run_interruptible(int workers, const std::function<void(const Progress&)>& work) {
@@ -151,7 +151,7 @@ void run_watched(int workers, const py::object& watch, const std::function<void(
     result.get();
   } catch (const Cancelled&) {
     if (raised) std::rethrow_exception(raised);
-    raise_interruption();
+    raise_interruption(Error({.problem = "the work was interrupted by Ctrl-C before its end"}));
   }
   if (raised) std::rethrow_exception(raised);
 }

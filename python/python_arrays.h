@@ -83,9 +83,9 @@ void watch_interruption();
 /// thread only.
 bool is_interrupted();
 
-/// Raises what Ctrl-C raises in Python, after Cancelled was thrown. Errors: no exception is pending: Ctrl-C
-/// came before, or its handler ignored it.
-[[noreturn]] void raise_interruption();
+/// Raises what Ctrl-C raises in Python, after Cancelled was thrown. Errors: `otherwise`, if no exception is
+/// pending: Ctrl-C came before, its handler ignored it, or another thread handles it.
+[[noreturn]] void raise_interruption(const Error& otherwise);
 
 /// on_threads() without the GIL. Raises Ctrl-C if that ended a wait for a server.
 template <class Work>
@@ -97,7 +97,7 @@ void run_free(int workers, const Work& work) {
     return;
   } catch (const Cancelled&) {
   }
-  raise_interruption();
+  raise_interruption(input_error("the wait for a server was interrupted", "the cloud, opened again"));
 }
 
 /// Calls work(progress) in a thread of its own without the GIL, and waits for it. `progress` calls

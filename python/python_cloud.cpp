@@ -163,7 +163,7 @@ py::object open_clouds(const py::object& files, int workers, const py::object& p
   jobs::add_cloud(jobs::Fields(table), inputs);
   jobs::add_partial(jobs::Fields(table), partial);
   try {
-    give(*table, "cloud", files);
+    give(*table, "files", files);
     for (const auto& [name, value] : fields) give(*table, py::str(name), value);
     run_watched(workers, progress, [&](const Progress& watch) {
       table->read();
@@ -178,6 +178,8 @@ py::object open_clouds(const py::object& files, int workers, const py::object& p
       }
     });
   } catch (const jobs::UsageError& error) {
+    throw Error({.problem = table->in_own_words(error.what())});
+  } catch (const Error& error) {
     throw Error({.problem = table->in_own_words(error.what())});
   }
   warn(data->points.cloud.warnings);

@@ -61,7 +61,7 @@ class Index : public Cloud {
 };
 
 /// Gives a field a value of Python: numbers, texts, bool for flags, sequences for lists and for fields with
-/// several values. None and False leave it as it is. Errors: those of FieldTable::give().
+/// several values. None and False leave it as it is. Errors: those of FieldTable::give(); TypeError.
 void give(jobs::FieldTable& table, const std::string& name, const py::handle& value);
 
 /// A reference system as WKT, or "EPSG:n"; None if it is unknown.

@@ -66,18 +66,43 @@ bool is_bool(const py::handle& value) {
          py::isinstance(value, py::module_::import("numpy").attr("bool_"));
 }
 
-/// A number or text as a field reads it.
+/// A value of a type that a field does not have. `expected`: "a name".
+py::type_error wrong_type(const std::string& expected, const py::handle& value) {
+  return py::type_error(
+      fmt::format("expected {}, found {}", expected,
+                  py::str(py::type::handle_of(value).attr("__name__")).cast<std::string>()));
+}
+
+/// The number as an object of Python itself, made by one of its methods; none: it has no such method, or no
+/// number, as arrays.
+py::object number_by(const char* method, const py::handle& value) {
+  if (!py::hasattr(value, method)) return py::none();
+  try {
+    return value.attr(method)();
+  } catch (py::error_already_set& error) {
+    if (!error.matches(PyExc_TypeError)) throw;
+    return py::none();
+  }
+}
+
+/// A number, text or date as a field reads it. Errors: TypeError, if it is something else.
 std::string word_of(const py::handle& value) {
   if (py::hasattr(value, "__fspath__")) return bytes_of(value.attr("__fspath__")());
   if (is_text(value)) return bytes_of(value);
   // The shortest text that is this number again; NumPy's own names its type.
-  if (py::hasattr(value, "__index__")) return py::str(value.attr("__index__")());
-  if (py::hasattr(value, "__float__")) return py::repr(value.attr("__float__")());
-  return py::str(value);
+  if (const py::object whole = number_by("__index__", value); !whole.is_none()) return py::str(whole);
+  if (const py::object number = number_by("__float__", value); !number.is_none()) return py::repr(number);
+  const bool is_date = py::hasattr(value, "isoformat") ||
+                       py::isinstance(value, py::module_::import("numpy").attr("datetime64"));
+  if (is_date) return py::str(value);
+  throw wrong_type("a number, a text, or a sequence of them", value);
 }
 
+/// Sequences, sets and arrays, but no array without dimensions, which is a number.
 bool is_list(const py::handle& value) {
-  return !is_text(value) && py::hasattr(value, "__len__");
+  if (is_text(value) || py::isinstance<py::dict>(value)) return false;
+  if (!py::hasattr(value, "__len__") || !py::hasattr(value, "__iter__")) return false;
+  return !py::hasattr(value, "ndim") || !py::object(value.attr("ndim")).equal(py::int_(0));
 }
 
 /// "1.0,2.5" of (1.0, 2.5).
@@ -92,27 +117,36 @@ std::string text_of_value(const py::handle& value) {
 std::vector<std::string> texts_of_values(const py::handle& value) {
   if (!is_list(value)) return {text_of_value(value)};
   std::vector<std::string> texts;
-  const bool is_item = py::len(value) > 0 && !is_list(value[py::int_(0)]) && !is_text(value[py::int_(0)]);
-  if (is_item) return {text_of_value(value)};
-  for (const py::handle& one : value) texts.push_back(text_of_value(one));
+  for (const py::handle& one : value) {
+    const bool is_item = texts.empty() && !is_list(one) && !is_text(one);
+    if (is_item) return {text_of_value(value)};
+    texts.push_back(text_of_value(one));
+  }
   return texts;
 }
 
 /// Errors: TypeError, if an operand is no name of a file, or list of names.
-void check_names(const std::string& keyword, const py::handle& value) {
+void check_names(const py::handle& value) {
   bool are_names = is_text(value) || is_list(value);
   if (is_list(value))
     for (const py::handle& one : value) are_names = are_names && is_text(one);
-  if (are_names) return;
-  throw py::type_error(fmt::format("{}: expected a name, or a list of names, found {}", keyword,
-                                   py::str(py::type::handle_of(value).attr("__name__")).cast<std::string>()));
+  if (!are_names) throw wrong_type("a name, or a list of names", value);
 }
 
-/// The name of a field as a keyword.
-std::string keyword_of(const jobs::FieldEntry& field) {
-  std::string name = jobs::long_name(field);
-  std::ranges::replace(name, '-', '_');
-  return name;
+/// The texts of a field of this form. Errors: TypeError, if the value is none that the field has.
+std::vector<std::string> texts_of(const jobs::FieldEntry& field, const py::handle& value) {
+  if (field.form == jobs::FieldForm::flag) {
+    if (!is_bool(value)) throw wrong_type("True or False", value);
+    return {};
+  }
+  if (is_bool(value)) throw wrong_type(field.kind, value);
+  if (jobs::is_operand(field)) check_names(value);
+  // Names and other texts are not joined by commas, which they may have.
+  const bool is_text_only = field.form == jobs::FieldForm::text || jobs::is_operand(field);
+  if (is_text_only || field.form == jobs::FieldForm::repeated || field.form == jobs::FieldForm::words)
+    return texts_of_values(value);
+  const bool is_no_class = jobs::own_name(field) == "ignore_classes" && is_list(value) && py::len(value) == 0;
+  return {is_no_class ? "none" : text_of_value(value)};
 }
 
 /// Fields of outputs beside those of all jobs.
@@ -236,7 +270,7 @@ py::list fields_of(const Job& job) {
   constexpr const char* k_forms[] = {"flag", "value", "text", "repeated", "words"};
   py::list all;
   for (const jobs::FieldEntry& field : table->entries())
-    all.append(py::make_tuple(keyword_of(field), field.kind, table->in_own_words(field.help),
+    all.append(py::make_tuple(jobs::own_name(field), field.kind, table->in_own_words(field.help),
                               k_forms[static_cast<std::size_t>(field.form)], jobs::is_operand(field),
                               field.is_required));
   return all;
@@ -245,19 +279,19 @@ py::list fields_of(const Job& job) {
 }  // namespace
 
 void give(jobs::FieldTable& table, const std::string& name, const py::handle& value) {
-  if (value.is_none()) return;
-  if (is_bool(value)) return value.cast<bool>() ? table.give(name, {}) : void();
-  const auto field = std::ranges::find(table.entries(), name, &keyword_of);
-  const bool is_known = field != table.entries().end();
-  if (is_known && jobs::is_operand(*field)) check_names(name, value);
-  if (is_known && (field->form == jobs::FieldForm::repeated || field->form == jobs::FieldForm::words)) {
-    std::vector<std::string> texts = texts_of_values(value);
-    if (!texts.empty() || field->is_required) table.give(name, std::move(texts));
-    return;
+  const jobs::FieldEntry& field = table.entry(name);
+  if (value.is_none() || (is_bool(value) && !value.cast<bool>())) return;
+  const bool is_empty = is_list(value) && py::len(value) == 0;
+  const bool takes_none = field.form == jobs::FieldForm::repeated || field.form == jobs::FieldForm::words ||
+                          (name == "ignore_classes" && field.kind == "LIST");
+  if (is_empty && takes_none && !field.is_required) return;
+  std::vector<std::string> texts;
+  try {
+    texts = texts_of(field, value);
+  } catch (const py::type_error& error) {
+    throw py::type_error(name + ": " + error.what());
   }
-  const bool is_no_class = name == "ignore_classes" && is_list(value) && py::len(value) == 0;
-  if (is_no_class && is_known && field->kind == "LIST") return;
-  table.give(name, {is_no_class ? "none" : text_of_value(value)});
+  table.give(name, std::move(texts));
 }
 
 void add_jobs(py::module_& module) {

@@ -2,6 +2,7 @@
 """Commands of the program as functions: their fields come from the tables that also make its options."""
 import inspect
 from keyword import iskeyword
+from operator import index
 from textwrap import fill
 
 from ._alidade import _job_fields, _run_job  # type: ignore[import]
@@ -10,9 +11,8 @@ _FIELDS = _job_fields()
 
 
 def keyword(field):
-    """Files that are joined into one cloud are `files`, as for open(); words of Python get an underscore: `from_`."""
-    name, _, _, form, is_operand, _ = field
-    return "files" if is_operand and form == "words" else name + "_" * iskeyword(name)
+    """The name of a field; words of Python get an underscore: `from_`."""
+    return field[0] + "_" * iskeyword(field[0])
 
 
 def function_name(command):
@@ -45,7 +45,11 @@ def job(command, summary):
             if keyword(field) in values:
                 raise TypeError(f"{call.__name__}() got multiple values for argument {keyword(field)!r}")
             values[keyword(field)] = value
-        return _run_job(command, {names.get(name, name): value for name, value in values.items()}, workers, progress, note)
+        for name, function in (("progress", progress), ("note", note)):
+            if function is not None and not callable(function):
+                raise TypeError(f"{name}: expected a function, found {type(function).__name__}")
+        threads = max(-1, min(index(workers), 2**31 - 1))
+        return _run_job(command, {names.get(name, name): value for name, value in values.items()}, threads, progress, note)
 
     call.__name__ = call.__qualname__ = function_name(command)
     call.__doc__ = _described(summary, command, fields)

@@ -2,7 +2,9 @@
 """Every command of the program that is a job is a function, and every option of it a keyword."""
 import inspect
 import re
+import signal
 import subprocess
+import sys
 
 import alidade
 import numpy as np
@@ -99,3 +101,81 @@ def test_statements_return_columns(yard, tmp_path):
     assert alidade.jobs.sql_load([yard, tmp_path / "yard.db"])["points"] == len(cloud)
     counts = alidade.jobs.sql(tmp_path / "yard.db", "SELECT count(*) FROM points; SELECT :name AS word", param="name=wall")
     assert [next(iter(one.columns.values())).tolist() for one in counts] == [[len(cloud)], ["wall"]]
+
+
+def test_columns_keep_every_value(yard):
+    def column(statement):
+        return next(iter(alidade.jobs.sql(yard, statement).columns.values()))
+    assert column("SELECT 1 UNION ALL SELECT 'a' UNION ALL SELECT NULL UNION ALL SELECT 2.5").tolist() == [1, "a", None, 2.5]
+    assert column("SELECT 9223372036854775807 UNION ALL SELECT NULL").tolist() == [9223372036854775807, None]
+    assert column("SELECT x'ff00'").tolist() == [b"\xff\x00"]
+    assert column("SELECT 'a' || char(0)").tolist() == ["a\0"]
+    assert np.array_equal(column("SELECT 1 UNION ALL SELECT NULL"), [1, np.nan], equal_nan=True)
+    assert column("SELECT 'a' UNION ALL SELECT NULL").tolist() == ["a", ""]
+    assert column("SELECT x FROM points LIMIT 0").dtype == float
+    same = alidade.jobs.sql(yard, "SELECT 1 AS x, 2 AS x, 3 AS x").columns
+    assert {name: values.tolist() for name, values in same.items()} == {"x": [1], "x:1": [2], "x:2": [3]}
+
+
+@pytest.mark.parametrize("fields, error, message", [
+    (dict(max_distance=True), TypeError, "max_distance: expected LENGTH, found bool"),
+    (dict(max_distance={}), TypeError, "max_distance: expected a number, a text, or a sequence of them, found dict"),
+    (dict(observer=np.zeros((1, 1, 3))), TypeError, "observer: expected a number, a text, or a sequence of them, found ndarray"),
+    (dict(observer=(1, None, 3)), TypeError, "found NoneType"),
+    (dict(observer=(one for one in (1, 2, 3))), TypeError, "found generator"),
+    (dict(partial=1), TypeError, "partial: expected True or False, found int"),
+    (dict(output=("a.las", "b.las")), alidade.Error, "output: expected one value, found 2"),
+    (dict(output="a.las\0b"), alidade.Error, "output: invalid value; expected a text without bytes of value 0"),
+    (dict(crop=[]), alidade.Error, "crop: missing value"),
+    (dict(nothing=None), alidade.Error, "unknown field 'nothing'"),
+    (dict(max_distanc=1), alidade.Error, "did you mean 'max_distance'?"),
+    (dict(workers="2"), TypeError, "'str' object cannot be interpreted as an integer"),
+    (dict(progress=5), TypeError, "progress: expected a function, found int"),
+    (dict(note="x"), TypeError, "note: expected a function, found str"),
+    (dict(files="site--output.las"), alidade.Error, "site--output.las: cannot open"),
+    (dict(files=[]), alidade.Error, "files: expected at least 1 value, found 0"),
+    (dict(files={"a": 1}), TypeError, "files: expected a name, or a list of names, found dict"),
+    (dict(files="a.las\0b"), alidade.Error, "files: invalid value")])
+def test_wrong_values_are_named(yard, fields, error, message):
+    with pytest.raises(error) as raised:
+        alidade.visibility.points(**{"files": yard, "observer": (689995, 5324983.5, 601.7), **fields})
+    assert message in str(raised.value)
+
+
+def test_clouds_are_files(yard, index):
+    with pytest.raises(TypeError, match="files: expected a name, or a list of names, found Index"):
+        alidade.visibility.points(index)
+    with pytest.raises(TypeError, match="files: expected a name, or a list of names, found Index"):
+        alidade.open(index)
+
+
+def test_values_have_any_type_of_numbers(yard):
+    def points(**fields):
+        return alidade.visibility.points(yard, observer=np.array([689995, 5324983.5, 601.7], dtype=object), **fields).columns["VisibleCount"]
+    expected = points(max_distance=20, classes="2,6", partial=True)
+    for distance in (np.float32(20), np.array(20), np.uint8(20), "20", [20]):
+        for classes in ({2, 6}, np.array([2, 6], dtype=np.uint8), (2.0, 6), b"2,6"):
+            assert np.array_equal(points(max_distance=distance, classes=classes, partial=np.True_, workers=np.int64(2**40)), expected)
+
+
+def test_a_job_of_another_thread_ends_with_ctrl_c(yard):
+    script = f"""
+import alidade, threading
+ended = threading.Event()
+def work():
+    try:
+        alidade.visibility.sky({str(yard)!r}, directions=4096, progress=lambda done, total: print(flush=True))
+    except alidade.Error as error:
+        print(error)
+    ended.set()
+threading.Thread(target=work).start()
+try:
+    ended.wait()
+except KeyboardInterrupt:
+    ended.wait()
+"""
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as program:
+        program.stdout.readline()
+        program.send_signal(signal.SIGINT)
+        said = program.communicate(timeout=60)[0]
+    assert said.split("\n")[-2] == "the work was interrupted by Ctrl-C before its end"

@@ -63,7 +63,7 @@ def test_clouds_are_selected_by_fields(yard):
     assert len(some.columns["Visible"]) == ((cloud["classification"] == 2) & (x < 690000)).sum()
     with pytest.raises(alidade.Error, match="where: "):
         alidade.visibility.points(yard, observer=OBSERVERS[0], where="x <")
-    with pytest.raises(alidade.Error, match="missing cloud"):
+    with pytest.raises(alidade.Error, match="missing files"):
         alidade.visibility.points(observer=OBSERVERS[0])
     with pytest.raises(TypeError, match="1 positional argument"):
         alidade.visibility.points(yard, yard)
