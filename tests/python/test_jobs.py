@@ -18,7 +18,7 @@ NO_JOBS = {"query", "render", "merge"}
 # Commands about the program itself.
 OF_THE_PROGRAM = {"formats", "manual"}
 # Options of the command line itself: threads are `workers`, messages are `note` and warnings, and answers are arrays.
-OF_THE_COMMAND_LINE = {"help", "threads", "quiet", "verbose", "json", "csv", "explain", "idiff_codes"}
+OF_THE_COMMAND_LINE = {"help", "threads", "quiet", "verbose", "json", "csv", "explain", "idiff_codes", "dry_run"}
 
 
 def help_of(*words):
