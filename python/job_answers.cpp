@@ -18,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "camera/camera_json.h"
 #include "compare/report/comparison_json.h"
 #include "python/python_cloud.h"
 
@@ -136,6 +137,11 @@ py::dict observers_of(std::span<const visibility::Observer> observers) {
     columns[py::str(std::string(1, "xyz"[axis]))] =
         array_of(observers.size(), [&](std::size_t i) { return observers[i].position[axis]; });
   return columns;
+}
+
+/// The name of a file; None for none.
+py::object name_of_file(const std::filesystem::path& file) {
+  return file.empty() ? py::object(py::none()) : text_of(file.string());
 }
 
 /// What --json of a command prints.
@@ -391,6 +397,36 @@ py::object answer_of(const jobs::SqlPlan&, const jobs::SqlResult& result) {
     statements.append(answer_type("Rows")(columns, py::none(), py::dict()));
   }
   return statements.size() == 1 ? py::object(statements[0]) : statements;
+}
+
+py::object answer_of(const jobs::RenderPlan&, const jobs::RenderResult& result) {
+  py::list images, files;
+  for (const jobs::RenderedImage& image : result.images) {
+    const renderer::RenderStatistics& reached = image.statistics;
+    py::dict statistics(py::arg("rays") = reached.ray_count, py::arg("seconds") = reached.seconds,
+                        py::arg("least_samples") = reached.least_samples,
+                        py::arg("mean_samples") = reached.mean_samples,
+                        py::arg("most_samples") = reached.most_samples);
+    if (reached.noise) {
+      statistics["median_noise"] = reached.noise->median;
+      statistics["worst_noise"] = reached.noise->worst;
+    }
+    images.append(answer_type("RenderedImage")(arrays_of(image.film, result.output), name_of_file(image.file),
+                                               text_of(image.view.name),
+                                               object_of_json(camera::camera_json(image.view.camera)),
+                                               statistics));
+  }
+  for (const std::filesystem::path& file : result.files) files.append(name_of_file(file));
+  py::list empty_views;
+  for (const std::string& name : result.empty_views) empty_views.append(text_of(name));
+  return answer_type("Rendering")(images, files, object_of(result.crs), empty_views);
+}
+
+py::object answer_of(const jobs::MergePlan& plan, const renderer::MergedImage& result) {
+  const std::filesystem::path& file = plan.request().output;
+  return answer_type("RenderedImage")(
+      file.empty() ? arrays_of(result.film, result.output) : py::dict(), name_of_file(file), "", py::none(),
+      py::dict(py::arg("parts") = result.parts, py::arg("camera_rays") = result.samples_taken));
 }
 
 }  // namespace alidade::python

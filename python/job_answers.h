@@ -9,6 +9,8 @@
 #include "jobs/clouds/index.h"
 #include "jobs/clouds/info.h"
 #include "jobs/compare/compare.h"
+#include "jobs/render/merge.h"
+#include "jobs/render/render.h"
 #include "jobs/sql/load.h"
 #include "jobs/sql/rewrite.h"
 #include "jobs/sql/statement.h"
@@ -50,5 +52,7 @@ py::object answer_of(const jobs::ShardPlanPlan& plan, const database::StoredFile
 py::object answer_of(const jobs::RewritePlan& plan, const std::vector<database::RewrittenStatement>& result);
 
 py::object answer_of(const jobs::SqlPlan& plan, const jobs::SqlResult& result);
+py::object answer_of(const jobs::RenderPlan& plan, const jobs::RenderResult& result);
+py::object answer_of(const jobs::MergePlan& plan, const renderer::MergedImage& result);
 
 }  // namespace alidade::python

@@ -7,6 +7,7 @@
 
 #include "base/remote_map.h"
 #include "cloud/crs.h"
+#include "image/film.h"
 #include "jobs/field_table.h"
 #include "octree/index_file/index_file.h"
 #include "python/python_arrays.h"
@@ -66,6 +67,9 @@ void give(jobs::FieldTable& table, const std::string& name, const py::handle& va
 
 /// A reference system as WKT, or "EPSG:n"; None if it is unknown.
 py::object object_of(const Crs& crs);
+
+/// The layers of a film by name, and as "image" its colours as PNG shows them; none of an empty film.
+py::dict arrays_of(const image::Film& film, const image::OutputSettings& output);
 
 /// Warnings of Python. `level`: 1 for the caller of a function of the module, 2 for the caller's caller.
 void warn(const std::vector<std::string>& warnings, int level = 1);

@@ -149,26 +149,7 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
 
   if (!film.sees_anything() && PyErr_WarnEx(PyExc_UserWarning, "the camera sees nothing", 1) != 0)
     throw py::error_already_set();
-  py::dict arrays;
-  if (is_seen) {
-    arrays["image"] = image_of(film, scene.output);
-    arrays["color"] = layer_array<float>(film, film.color);
-    arrays["alpha"] = layer_array<float>(film, film.alpha);
-  }
-  const auto add = [&]<class Value>(image::Layer layer, const char* name, const auto& pixels, Value) {
-    if (std::ranges::count(layers, layer) > 0) arrays[name] = layer_array<Value>(film, pixels);
-  };
-  add(image::Layer::depth, "depth", film.depth, float{});
-  add(image::Layer::distance, "distance", film.distance, float{});
-  add(image::Layer::normal, "normal", film.normal, float{});
-  add(image::Layer::position, "position", film.position, double{});
-  add(image::Layer::albedo, "albedo", film.albedo, float{});
-  add(image::Layer::id, "id", film.id, std::uint32_t{});
-  add(image::Layer::variance, "variance", film.variance, float{});
-  add(image::Layer::depth_sigma, "depth.sigma", film.depth_sigma, float{});
-  add(image::Layer::coverage, "coverage", film.coverage, float{});
-  add(image::Layer::support, "support", film.support, std::uint32_t{});
-  return arrays;
+  return arrays_of(film, scene.output);
 }
 
 /// Observers at eyes (m, 3), or on the ground (m, 2).
@@ -319,6 +300,30 @@ py::object compare_images(const py::handle& reference_array, const py::handle& t
 }
 
 }  // namespace
+
+py::dict arrays_of(const image::Film& film, const image::OutputSettings& output) {
+  py::dict arrays;
+  if (film.holds(image::Layer::color)) {
+    arrays["image"] = image_of(film, output);
+    arrays["color"] = layer_array<float>(film, film.color);
+    arrays["alpha"] = layer_array<float>(film, film.alpha);
+  }
+  const auto add = [&]<class Value>(image::Layer layer, const auto& pixels, Value) {
+    const std::string name(image::k_layers[static_cast<std::size_t>(layer)].name);
+    if (film.holds(layer)) arrays[py::str(name)] = layer_array<Value>(film, pixels);
+  };
+  add(image::Layer::depth, film.depth, float{});
+  add(image::Layer::distance, film.distance, float{});
+  add(image::Layer::normal, film.normal, float{});
+  add(image::Layer::position, film.position, double{});
+  add(image::Layer::albedo, film.albedo, float{});
+  add(image::Layer::id, film.id, std::uint32_t{});
+  add(image::Layer::variance, film.variance, float{});
+  add(image::Layer::depth_sigma, film.depth_sigma, float{});
+  add(image::Layer::coverage, film.coverage, float{});
+  add(image::Layer::support, film.support, std::uint32_t{});
+  return arrays;
+}
 
 void add_images(py::module_& module) {
   const py::arg_v workers = py::arg("workers") = -1, progress = py::arg("progress") = py::none();

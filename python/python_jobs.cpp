@@ -106,11 +106,17 @@ bool is_list(const py::handle& value) {
 }
 
 /// "1.0,2.5" of (1.0, 2.5).
-std::string text_of_value(const py::handle& value) {
+std::string text_of_value(const py::handle& value, const char* separator = ",") {
   if (!is_list(value)) return word_of(value);
   std::string text;
-  for (const py::handle& one : value) text += (text.empty() ? "" : ",") + word_of(one);
+  for (const py::handle& one : value) text += (text.empty() ? "" : separator) + word_of(one);
   return text;
+}
+
+/// What is between the parts of a field's value: of "WxH" x, of "I/N" a slash, else a comma.
+const char* separator_of(const std::string& kind) {
+  if (kind.find("xH") != std::string::npos) return "x";
+  return kind == "I/N" ? "/" : ",";
 }
 
 /// The texts of a field that takes many: one for each item; a single position is one item.
@@ -146,7 +152,7 @@ std::vector<std::string> texts_of(const jobs::FieldEntry& field, const py::handl
   if (is_text_only || field.form == jobs::FieldForm::repeated || field.form == jobs::FieldForm::words)
     return texts_of_values(value);
   const bool is_no_class = jobs::own_name(field) == "ignore_classes" && is_list(value) && py::len(value) == 0;
-  return {is_no_class ? "none" : text_of_value(value)};
+  return {is_no_class ? "none" : text_of_value(value, separator_of(field.kind))};
 }
 
 /// Fields of outputs beside those of all jobs.
@@ -170,6 +176,7 @@ using AddFields = std::function<void(const jobs::Fields&, Request&)>;
 template <class Request>
 py::object run_job(const char* name, const AddFields<Request>& add_fields, Output output, const Call& call) {
   Request request;
+  if constexpr (requires { request.returns_films; }) request.returns_films = true;
   const auto table = std::make_shared<jobs::FieldTable>(name, &is_interrupted);
   add_fields(jobs::Fields(table), request);
   std::vector<std::string> notes, warnings;
@@ -246,6 +253,8 @@ const std::vector<Job>& all_jobs() {
                                        job("convert", &jobs::add_convert_fields, Output::answer),
                                        job("change", &jobs::add_change_fields),
                                        job("compare", &jobs::add_compare_fields),
+                                       job("render", &jobs::add_render_fields),
+                                       job("merge", &jobs::add_merge_fields),
                                        job("sql", &jobs::add_sql_fields),
                                        job("sql load", &jobs::add_load_fields),
                                        job("sql rewrite", &jobs::add_rewrite_fields),

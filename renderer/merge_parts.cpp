@@ -235,7 +235,7 @@ MergedImage merge_parts(std::span<const std::filesystem::path> files, const std:
   const std::map<int, PartHead> parts = checked_parts(files);
   const PartHead& first = parts.begin()->second;
   const ImageEntries entries(first.fingerprint, first.file);
-  if (entries.value(k_kind) != kind_of(image)) {
+  if (!image.empty() && entries.value(k_kind) != kind_of(image)) {
     throw file_error(
         image, fmt::format("the parts were rendered for {}", entries.value(k_kind)),
         entries.value(k_kind) == k_exr ? "the extension .exr" : "the extension .png, .jpg or .tif");

@@ -5,6 +5,7 @@
 
 #include "base/shown_text.h"
 #include "image/image_file.h"
+#include "jobs/long_run.h"
 #include "jobs/outputs.h"
 
 namespace alidade::jobs {
@@ -21,19 +22,22 @@ void add_merge_fields(const Fields& fields, MergeRequest& request) {
 }
 
 MergePlan plan(const MergeRequest& request) {
-  image::check_image_name(request.output);
-  check_writable(request.output, request.overwrite, request.parts);
+  if (!request.output.empty()) {
+    image::check_image_name(request.output);
+    check_writable(request.output, request.overwrite, request.parts);
+  }
   return MergePlan(request, {.reads = request.parts, .writes = {request.output}});
 }
 
 renderer::MergedImage run(const MergePlan& plan, Listener& listener) {
   const MergeRequest& request = plan.request();
   renderer::MergedImage merged = renderer::merge_parts(request.parts, request.output);
-  image::write_image(merged.film, merged.output, merged.facts, request.overwrite);
-  listener.note(fmt::format("{} parts, {} camera rays; wrote {}", merged.parts,
-                            short_count(static_cast<double>(merged.samples_taken)), request.output.string()));
+  const std::string file = request.output.string();
+  if (!file.empty()) image::write_image(merged.film, merged.output, merged.facts, request.overwrite);
+  listener.note(fmt::format("{} parts, {} camera rays{}", merged.parts,
+                            short_count(static_cast<double>(merged.samples_taken)), wrote_text(request)));
   if (!merged.film.sees_anything())
-    listener.warn(fmt::format("{}: the camera sees nothing", request.output.string()));
+    listener.warn(fmt::format("{}the camera sees nothing", file.empty() ? "" : file + ": "));
   return merged;
 }
 

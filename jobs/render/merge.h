@@ -12,7 +12,8 @@
 
 namespace alidade::jobs {
 
-/// The parts of an image that machines have rendered (RenderRequest::part), to be joined into the output.
+/// The parts of an image that machines have rendered (RenderRequest::part), to be joined into the output,
+/// or only returned without one.
 struct MergeRequest : JobRequest {
   std::vector<std::filesystem::path> parts;
 };

@@ -368,13 +368,13 @@ class Rendering {
         for (auto& text : reached_metadata(rendered.statistics)) metadata.further.push_back(std::move(text));
       if (!image.file.empty()) renderer::write_image(film, scene_.output, metadata, request_.overwrite);
       empty_.check(rendered.view, film.sees_anything());
-      if (request_.returns_films) rendered.film = std::move(film);
+      if (image.file.empty()) rendered.film = std::move(film);
     }
     keep({rendered.file});
     std::error_code error;
     if (!request_.checkpoint.file.empty()) std::filesystem::remove(request_.checkpoint.file, error);
     if (has_limit())
-      listener_.note(fmt::format("{}: {}", image.file.string(), reached_text(request_, rendered.statistics)));
+      listener_.note(fmt::format("{}: {}", shown_name(image), reached_text(request_, rendered.statistics)));
   }
 
   /// Whether more than --samples determines the samples.

@@ -18,7 +18,7 @@ namespace alidade::jobs {
 struct RenderedImage {
   camera::NamedCamera view;
   std::filesystem::path file;  ///< that was written, of a part that of the part; empty: none
-  image::Film film{};          ///< empty unless RenderRequest::returns_films
+  image::Film film{};          ///< empty if it was written
   renderer::RenderStatistics statistics{};
 };
 

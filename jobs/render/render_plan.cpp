@@ -28,7 +28,7 @@ bool file_exists(const fs::path& file) {
 
 /// Errors: nothing is to be written; a field that only images have.
 void check_without_image(const RenderRequest& request) {
-  if (request.returns_films) return;
+  if (request.returns_films && !request.part) return;
   if (request.depth.file.empty()) throw file_error(request.scene_file, "missing output", "-o FILE");
   const std::pair<const char*, bool> given[] = {{"--layers", !request.layers.empty()},
                                                 {"--legend", !request.legend.empty()},
@@ -44,7 +44,8 @@ void check_without_image(const RenderRequest& request) {
 /// Completes the settings of the output. Errors: they do not fit its format.
 void complete_output(RenderRequest& request) {
   image::OutputSettings& output = request.scene.output;
-  if (!request.output.empty() || !request.depth.file.empty()) output.file = request.output;
+  if (request.returns_films || !request.output.empty() || !request.depth.file.empty())
+    output.file = request.output;
   // The sky of an overview is only its background, which must not change with the exposure.
   if (request.is_overview() && request.scene.render.mode != renderer::RenderMode::flat)
     output.background = renderer::k_overview_background;
@@ -198,8 +199,8 @@ std::optional<Resumption> find_resumption(const RenderPlan& plan) {
   const std::string file = checkpoint.file.string();
   if (!file_exists(checkpoint.file)) return Resumption{{}, beginning_text(checkpoint)};
   const renderer::CheckpointSummary summary = renderer::read_checkpoint_summary(checkpoint.file);
-  const std::string image = plan.images.front().file.string();
-  if (summary.image == image_in_checkpoint(image)) {
+  const std::string image = shown_name(plan.images.front());
+  if (summary.image == image_in_checkpoint(plan.images.front().file)) {
     return Resumption{summary.samples_taken,
                       fmt::format("resuming from {}: {} has {:.0f} % of its samples after {}", file, image,
                                   100.0 * summary.share, clock_time(summary.seconds))};
@@ -248,7 +249,12 @@ void check_in_view(const RenderPlan& plan) {
 
 }  // namespace
 
+std::string shown_name(const PlannedImage& image) {
+  return image.file.empty() ? "the image" : image.file.string();
+}
+
 std::string image_in_checkpoint(const fs::path& image) {
+  if (image.empty()) return {};
   return name_in_checkpoint(fs::absolute(image).lexically_normal());
 }
 
@@ -270,6 +276,7 @@ RenderPlan plan(const RenderRequest& given) {
   std::shared_ptr<const EmptyFolder> frames;
   if (!request.flight.file.empty())
     frames = std::make_shared<const EmptyFolder>(request.output.parent_path());
+  request.returns_films = request.returns_films && request.output.empty() && request.depth.file.empty();
   complete_scene(request);
   if (request.scene.cloud && request.files.empty()) {
     request.files = resolve_clouds(request.scene.cloud->files, cloud_formats());

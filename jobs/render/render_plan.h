@@ -20,6 +20,9 @@ struct PlannedImage {
   std::filesystem::path file;  ///< empty: the image is only returned
 };
 
+/// The image in messages: its file, or "the image".
+std::string shown_name(const PlannedImage& image);
+
 /// What the first image resumes from.
 struct Resumption {
   std::optional<std::uint64_t> samples;  ///< camera samples of a checkpoint; empty: from the beginning

@@ -39,9 +39,10 @@ struct RenderRequest : CloudRequest {
   /// cloud chooses its samples, background and light.
   std::filesystem::path scene_file;
   CloudView view{};
-  bool adds_models = false;    ///< the scene got models, from --mesh or --site, that its file does not have
-  bool in_view = false;        ///< of a cloud in a database, only what the cameras see is read
-  bool returns_films = false;  ///< images are kept in the result; an output is not required then
+  bool adds_models = false;  ///< the scene got models, from --mesh or --site, that its file does not have
+  bool in_view = false;      ///< of a cloud in a database, only what the cameras see is read
+  /// Without an output, also of depth maps, images are returned. The output of a scene file does not count.
+  bool returns_films = false;
 
   ViewsRequest views;
   FlightRequest flight;

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 from ._answers import (Change, Comparison, HitLists, Hits, Map, NeighbourLists, Neighbours, PathHits, PointLists, Points, Raster,
-                       Rows)
+                       RenderedImage, Rendering, Rows)
 from ._alidade import Cloud, Error, Index, __doc__, __version__, compare, open, render, viewshed, visible
 from . import jobs, visibility
 from .jobs import change

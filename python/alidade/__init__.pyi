@@ -18,6 +18,8 @@ from ._answers import (
     PointLists as PointLists,
     Points as Points,
     Raster as Raster,
+    RenderedImage as RenderedImage,
+    Rendering as Rendering,
     Rows as Rows,
 )
 

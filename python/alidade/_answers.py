@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What queries return: named tuples of arrays."""
-from typing import Any, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from numpy import float32, float64, int64
 from numpy.typing import NDArray
@@ -87,6 +87,25 @@ class Change(NamedTuple):
     """What has changed between two scans, of the points of both; rows are about the classes of change."""
     before: Points
     after: Points
+
+
+class RenderedImage(NamedTuple):
+    """An image of a job: its layers by name, as render() returns them, none if it was written; its file, or None; the name
+    of its camera, and the camera with the keys of camera files, None for an image of parts; rays, seconds and samples."""
+    layers: Dict[str, NDArray[Any]]
+    file: Optional[str]
+    name: str
+    camera: Optional[Dict[str, Any]]
+    statistics: Dict[str, Any]
+
+
+class Rendering(NamedTuple):
+    """Images of a job, the names of all files it wrote, coordinate reference system of the cloud, and the names of views
+    that see no surface."""
+    images: List[RenderedImage]
+    files: List[str]
+    crs: Optional[str]
+    empty_views: List[str]
 
 
 class Comparison(NamedTuple):

@@ -6,7 +6,7 @@ from typing import Any, Literal
 from numpy.typing import ArrayLike
 
 from . import Cloud
-from ._answers import Change, Rows
+from ._answers import Change, RenderedImage, Rendering, Rows
 
 _File = str | PathLike[str]
 _Files = _File | Sequence[_File]
@@ -73,6 +73,39 @@ def info(files: _Files, *, classes: _List | None = None, ignore_classes: _List |
          stats: bool = False, memory: int | str | None = None, verify: bool = False, partial: bool = False,
          extract_images: _File | None = None, overwrite: bool = False, workers: int = -1,
          progress: Callable[[int, int], Any] | None = None, note: Callable[[str], Any] | None = None) -> dict[str, Any]: ...
+def merge(files: str | Sequence[str], *, output: _File | None = None, overwrite: bool = False, workers: int = -1,
+          progress: Callable[[int, int], Any] | None = None, note: Callable[[str], Any] | None = None) -> RenderedImage: ...
+def render(files: _Files | None = None, *, classes: _List | None = None, ignore_classes: _List | None = None,
+           where: str | None = None, crop: _File | Sequence[float] | None = None, crop_crs: str | None = None,
+           columns: _List | None = None, crs: str | None = None, reproject: str | None = None,
+           vertical_unit: Literal["m", "ft", "us-ft"] | None = None, cache: _File | None = None,
+           allow_host: str | Sequence[str] | None = None, cache_size: int | str | None = None, cloud: _Files | None = None,
+           site: str | None = None, mesh: _Files | None = None, output: _File | None = None, in_view: bool = False,
+           overwrite: bool = False, skip_existing: bool = False, camera: _File | None = None,
+           camera_name: str | None = None, lens: _File | None = None, original_world: bool = False,
+           near: float | None = None, panorama: str | ArrayLike | None = None, orthographic: str | None = None,
+           size: str | None = None, resolution: float | None = None, extent: str | ArrayLike | None = None,
+           orbit: bool = False, keyframes: _File | None = None, frames: int | None = None, frame_rate: int | None = None,
+           depth: _File | None = None, depth_format: Literal["exr", "png16", "npy", "tiff", "colmap"] | None = None,
+           depth_scale: int | None = None, depth_along: Literal["axis", "ray"] | None = None,
+           depth_mask: _File | None = None, transforms_out: _File | None = None,
+           mode: Literal["path", "ambient_occlusion", "headlight", "flat"] | None = None,
+           ao_distance: float | str | None = None, sun: str | ArrayLike | None = None, sun_time: str | None = None,
+           sun_place: str | ArrayLike | None = None, no_sun: bool = False, samples: int | None = None,
+           max_bounces: int | None = None, exposure: float | str | None = None, transparent: bool = False,
+           layers: _List | None = None, seed: int | None = None, radius: float | str | None = None,
+           radius_factor: str | None = None, radius_neighbours: int | None = None, radius_max: float | str | None = None,
+           color_depth: float | str | None = None, hits: Literal["entry", "t"] | None = None,
+           normals: Literal["sphere", "smooth"] | None = None, surface: Literal["sphere", "disc", "blend"] | None = None,
+           max_level: int | None = None, color_by: str | None = None,
+           color_map: Literal["auto", "viridis", "inferno", "turbo", "terrain", "grey"] | None = None,
+           color_range: str | ArrayLike | None = None, color_percentiles: str | ArrayLike | None = None,
+           class_color: str | ArrayLike | None = None, legend: _File | None = None,
+           legend_size: str | Sequence[int] | None = None, time_limit: float | None = None, target_noise: str | None = None,
+           preview: _File | None = None, preview_interval: float | None = None, preview_points: int | None = None,
+           checkpoint: _File | None = None, checkpoint_interval: float | None = None, resume: bool = False,
+           part: str | Sequence[int] | None = None, partial: bool = False, workers: int = -1,
+           progress: Callable[[int, int], Any] | None = None, note: Callable[[str], Any] | None = None) -> Rendering: ...
 def sql(cloud: _File | None = None, statement: str | None = None, *, file: _File | None = None,
         param: str | Sequence[str] | None = None, partial: bool = False, cache: _File | None = None,
         allow_host: str | Sequence[str] | None = None, cache_size: int | str | None = None, workers: int = -1,

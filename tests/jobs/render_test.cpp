@@ -2,6 +2,7 @@
 #include "jobs/render/render.h"
 
 #include "base/progress.h"
+#include "jobs/render/merge.h"
 #include "tests/jobs/render_job.h"
 
 namespace alidade::test {
@@ -78,7 +79,45 @@ TEST_F(RenderTest, films_are_returned_without_an_output) {
   EXPECT_EQ(film.depth.size(), 24u * 16u);
   EXPECT_TRUE(film.sees_anything());
   EXPECT_NE(result.output.exposure, 0.0);
+  request.part = renderer::ImagePart{1, 2};
+  EXPECT_THROW(jobs::plan(request), Error);
   EXPECT_EQ(names(), Words{"square.xyz"});
+}
+
+TEST_F(RenderTest, an_output_is_written_and_not_returned_too) {
+  jobs::RenderRequest request = square("image.png");
+  request.returns_films = true;
+  EXPECT_EQ(jobs::run(jobs::plan(request), heard_).images.front().film.count(), 0u);
+  EXPECT_EQ(names(), (Words{"image.png", "square.xyz"}));
+}
+
+TEST_F(RenderTest, a_stopped_job_without_an_output_resumes_with_the_same_film) {
+  jobs::RenderRequest request = square("");
+  request.returns_films = true;
+  request.scene.output.file = "of_scene.png";
+  request.samples = 64;
+  const jobs::RenderResult whole = jobs::run(jobs::plan(request), heard_);
+  request.checkpoint.file = "image.checkpoint";
+  StoppingAt stopping("rendering");
+  EXPECT_THROW(jobs::run(jobs::plan(request), stopping), Cancelled);
+  request.checkpoint.resume = true;
+  Heard resumed;
+  const jobs::RenderResult result = jobs::run(jobs::plan(request), resumed);
+  EXPECT_TRUE(contains(resumed.text(), "image.checkpoint: the image has")) << resumed.text();
+  EXPECT_TRUE(std::ranges::equal(result.images.front().film.alpha, whole.images.front().film.alpha));
+  EXPECT_EQ(names(), Words{"square.xyz"});
+}
+
+TEST_F(RenderTest, parts_are_merged_without_an_output) {
+  jobs::RenderRequest request = square("image.png");
+  jobs::MergeRequest merge;
+  for (const int number : {1, 2}) {
+    request.part = renderer::ImagePart{number, 2};
+    merge.parts.push_back(jobs::run(jobs::plan(request), heard_).files.front());
+  }
+  const renderer::MergedImage merged = jobs::run(jobs::plan(merge), heard_);
+  EXPECT_EQ(merged.film.count(), 24u * 16u);
+  EXPECT_EQ(names(), (Words{"image.png.part1of2", "image.png.part2of2", "square.xyz"}));
 }
 
 TEST_F(RenderTest, meshes_and_a_sun_by_time_need_no_command_line) {

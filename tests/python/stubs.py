@@ -17,6 +17,8 @@ RETURNS = {
     "generate": "Cloud | None",
     "index": "dict[str, Any]",
     "info": "dict[str, Any]",
+    "merge": "RenderedImage",
+    "render": "Rendering",
     "sql": "Rows | list[Rows]",
     "sql load": "dict[str, Any]",
     "sql rewrite": "list[dict[str, Any]]",
@@ -33,7 +35,7 @@ RETURNS = {
 }
 PACKAGE = Path(__file__).resolve().parents[2] / "python" / "alidade"
 BEGIN, END = "# Made by tests/python/stubs.py from here", "# to here"
-LENGTHS = {"LENGTH", "METRES", "PIXELS", "STOPS", "R", "C", "DEGREES", "MINUTES", "S", "SHARE"}
+LENGTHS = {"LENGTH", "METRES", "PIXELS", "STOPS", "R", "C", "DEGREES", "MINUTES", "S", "SHARE", "E", "F"}
 COUNTS = {"N", "K", "0..255"}
 OWN = ["workers: int = -1", "progress: Callable[[int, int], Any] | None = None", "note: Callable[[str], Any] | None = None"]
 
@@ -53,8 +55,10 @@ def type_of(kind, form):
         one = "float | str"
     elif kind == "SIZE":
         one = "int | str"
-    elif any(word in kind for word in ("FILE", "FOLDER", "CLOUD")) or kind in ("BEFORE", "AFTER", "REFERENCE", "TEST"):
+    elif any(word in kind for word in ("FILE", "FOLDER", "CLOUD", "PART")) or kind in ("BEFORE", "AFTER", "REFERENCE", "TEST"):
         one = "_File"
+    elif "xH" in kind or kind == "I/N":
+        one = "str | Sequence[int]"
     elif "," in kind:
         return "str | ArrayLike"
     else:

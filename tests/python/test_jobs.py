@@ -14,7 +14,7 @@ from alidade._jobs import _FIELDS, function_name, keyword
 from conftest import PROGRAM
 
 # Commands that Python cannot run yet. Whoever makes one a job removes it here.
-NO_JOBS = {"query", "render", "merge"}
+NO_JOBS = {"query"}
 # Commands about the program itself.
 OF_THE_PROGRAM = {"formats", "manual"}
 # Options of the command line itself: threads are `workers`, messages are `note` and warnings, and answers are arrays.
