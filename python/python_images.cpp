@@ -62,16 +62,9 @@ renderer::LoadedCloud loaded(const Index& index, const renderer::CloudSettings& 
   const AttributeColumns columns = data.points.columns();
   renderer::LoadedCloud cloud;
   cloud.octree = index.octree();
-  cloud.crs = data.description().crs;
-  cloud.scanner_positions = data.description().scanner_positions;
-  std::vector<std::string> warnings;
-  const image::PointColoring coloring =
-      image::choose_color(settings.color, {columns, columns.attributes(), data.size(), data.name}, warnings);
-  image::ColoredPoints points =
-      image::color_points(coloring, columns, data.description(), renderer::heights(cloud.octree.view()));
-  cloud.color = std::move(points.key);
-  cloud.colors = std::move(points.colors);
-  if (coloring.by == image::PointColor::rgb) cloud.mapped_colors = columns.colors;
+  const image::PointColoring coloring = image::choose_color(
+      settings.color, {columns, columns.attributes(), data.size(), data.name}, cloud.warnings);
+  renderer::color_cloud(cloud, coloring, columns, data.description(), data.name);
   renderer::choose_radius(settings, cloud, progress);
   return cloud;
 }

@@ -64,15 +64,6 @@ Bounds stray_limits(const Octree& octree) {
   return {glm::max(all.min, most.min - margin), glm::min(all.max, most.max + margin)};
 }
 
-/// Takes over the metadata of a cloud.
-void describe(LoadedCloud& loaded, const std::string& name, PointCloud&& cloud, std::uint64_t count) {
-  loaded.warnings = std::move(cloud.warnings);
-  if (count == 0) loaded.warnings.push_back(name + " has no points");
-  loaded.crs = std::move(cloud.crs);
-  loaded.scanner_positions = std::move(cloud.scanner_positions);
-  loaded.files = std::move(cloud.files);
-}
-
 /// Frees the columns that the colours do not need.
 void keep_columns(PointCloud& cloud, const image::PointColoring& coloring) {
   if (coloring.by != image::PointColor::rgb) drop(cloud.colors);
@@ -81,29 +72,16 @@ void keep_columns(PointCloud& cloud, const image::PointColoring& coloring) {
                 [&](const ExtraDimension& dimension) { return dimension.name != coloring.attribute; });
 }
 
-/// Takes over the colours, and warns of points that have none to show.
-void take(image::ColoredPoints&& points, LoadedCloud& loaded, const std::string& name) {
-  loaded.colors = std::move(points.colors);
-  loaded.color = std::move(points.key);
-  if (loaded.color.missing_count == 0) return;
-  loaded.warnings.push_back(fmt::format("{}: {} of {} points have no {} and are grey", name,
-                                        loaded.color.missing_count, loaded.color.point_count,
-                                        loaded.color.word));
-}
-
 LoadedCloud map_cloud(const CloudSettings& settings, const CloudInput& input, const Progress& progress) {
   const IndexFile index(input.file());
   const std::string& name = index.name();
   const std::uint64_t point_count = index.header().tree.point_count;
   LoadedCloud loaded;
-  describe(loaded, name, PointCloud(index.description()), point_count);
   const image::PointColoring coloring = image::choose_color(
       settings.color, {index.columns(), index.attributes(), point_count, name}, loaded.warnings);
   loaded.octree = index.octree(progress);
   loaded.index_checksum = checksum(encode_index_header(index.header()));
-  take(image::color_points(coloring, index.columns(), index.description(), heights(loaded.octree.view())),
-       loaded, name);
-  if (coloring.by == image::PointColor::rgb) loaded.mapped_colors = index.columns().colors;
+  color_cloud(loaded, coloring, index.columns(), index.description(), name);
   return loaded;
 }
 
@@ -201,18 +179,35 @@ image::PointValues heights(const TreeView& tree) {
       }};
 }
 
+void color_cloud(LoadedCloud& loaded, const image::PointColoring& coloring, const AttributeColumns& columns,
+                 const PointCloud& description, const std::string& name) {
+  std::vector<std::string> warnings = description.warnings;
+  if (loaded.octree.size() == 0) warnings.push_back(name + " has no points");
+  loaded.warnings.insert(loaded.warnings.begin(), warnings.begin(), warnings.end());
+  loaded.crs = description.crs;
+  loaded.scanner_positions = description.scanner_positions;
+  loaded.files = description.files;
+  image::ColoredPoints points =
+      image::color_points(coloring, columns, description, heights(loaded.octree.view()));
+  loaded.colors = std::move(points.colors);
+  loaded.color = std::move(points.key);
+  if (coloring.by == image::PointColor::rgb) loaded.mapped_colors = columns.colors;
+  if (loaded.color.missing_count == 0) return;
+  loaded.warnings.push_back(fmt::format("{}: {} of {} points have no {} and are grey", name,
+                                        loaded.color.missing_count, loaded.color.point_count,
+                                        loaded.color.word));
+}
+
 LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
                         const std::string& name, const Progress& progress) {
   LoadedCloud loaded;
   const image::PointColoring coloring = image::choose_color(
-      settings.color, {columns_of(cloud), attributes, cloud.size(), name}, cloud.warnings);
+      settings.color, {columns_of(cloud), attributes, cloud.size(), name}, loaded.warnings);
   keep_columns(cloud, coloring);
   loaded.octree = build(std::move(cloud), {.progress = progress});
-  image::ColoredPoints points =
-      image::color_points(coloring, columns_of(cloud), cloud, heights(loaded.octree.view()));
-  if (coloring.by == image::PointColor::rgb) points.colors = std::move(cloud.colors);
-  describe(loaded, name, std::move(cloud), loaded.octree.size());
-  take(std::move(points), loaded, name);
+  color_cloud(loaded, coloring, columns_of(cloud), cloud, name);
+  if (coloring.by == image::PointColor::rgb) loaded.colors = std::move(cloud.colors);
+  loaded.mapped_colors = {};
   return loaded;
 }
 

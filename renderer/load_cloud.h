@@ -69,6 +69,12 @@ std::uint64_t stray_count(const LoadedCloud& cloud);
 LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
                         const std::string& name, const Progress& progress = {});
 
+/// Colours the points of loaded.octree, and takes over the description of their cloud; rgb stays in the
+/// columns. `coloring` comes from choose_color(), whose warnings `loaded` has; `name` is the cloud's, for
+/// messages.
+void color_cloud(LoadedCloud& loaded, const image::PointColoring& coloring, const AttributeColumns& columns,
+                 const PointCloud& description, const std::string& name);
+
 /// Errors: discs with one radius for all points, of glass, of some levels, or by other neighbours than the
 /// 8th.
 void check_shape(const CloudSettings& settings);
