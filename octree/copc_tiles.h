@@ -53,6 +53,7 @@ class CopcTiles {
   bool is_any_remote() const { return is_any_remote_; }
   /// That of the first file that has points: the one of the cloud that read_cloud() gives.
   const Lattice& lattice() const { return lattice_; }
+  const Crs& crs() const { return crs_; }
   /// About files that were opened at once.
   const std::vector<std::string>& warnings() const { return warnings_; }
 

@@ -399,6 +399,26 @@ py::object answer_of(const jobs::SqlPlan&, const jobs::SqlResult& result) {
   return statements.size() == 1 ? py::object(statements[0]) : statements;
 }
 
+py::object answer_of(const jobs::QueryPlan& plan, const jobs::QueryResult& result) {
+  py::dict columns, facts;
+  const auto add = [&](const std::string& name, const auto& value) {
+    columns[text_of(name)] =
+        array_of(result.rows.size(), [&](std::size_t i) { return value(result.rows[i]); });
+  };
+  if (plan.request().output.empty())
+    for (const jobs::AnswerColumn& column : result.columns) {
+      if (column.whole)
+        add(column.name,
+            [&](const jobs::AnswerRow& row) { return static_cast<std::int64_t>(row.*column.whole); });
+      else
+        add(column.name, [&](const jobs::AnswerRow& row) {
+          return column.real ? row.*column.real : row.position[column.axis];
+        });
+    }
+  for (const jobs::WorkCount& one : result.work) facts[text_of(one.name)] = one.count;
+  return answer_type("Rows")(columns, object_of(result.crs), facts);
+}
+
 py::object answer_of(const jobs::RenderPlan&, const jobs::RenderResult& result) {
   py::list images, files;
   for (const jobs::RenderedImage& image : result.images) {
@@ -411,10 +431,9 @@ py::object answer_of(const jobs::RenderPlan&, const jobs::RenderResult& result) 
       statistics["median_noise"] = reached.noise->median;
       statistics["worst_noise"] = reached.noise->worst;
     }
-    images.append(answer_type("RenderedImage")(arrays_of(image.film, result.output), name_of_file(image.file),
-                                               text_of(image.view.name),
-                                               object_of_json(camera::camera_json(image.view.camera)),
-                                               statistics));
+    images.append(answer_type("RenderedImage")(
+        arrays_of(image.film, result.output), name_of_file(image.file), text_of(image.view.name),
+        object_of_json(camera::camera_json(image.view.camera)), statistics));
   }
   for (const std::filesystem::path& file : result.files) files.append(name_of_file(file));
   py::list empty_views;

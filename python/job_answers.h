@@ -9,6 +9,7 @@
 #include "jobs/clouds/index.h"
 #include "jobs/clouds/info.h"
 #include "jobs/compare/compare.h"
+#include "jobs/query/query.h"
 #include "jobs/render/merge.h"
 #include "jobs/render/render.h"
 #include "jobs/sql/load.h"
@@ -52,6 +53,7 @@ py::object answer_of(const jobs::ShardPlanPlan& plan, const database::StoredFile
 py::object answer_of(const jobs::RewritePlan& plan, const std::vector<database::RewrittenStatement>& result);
 
 py::object answer_of(const jobs::SqlPlan& plan, const jobs::SqlResult& result);
+py::object answer_of(const jobs::QueryPlan& plan, const jobs::QueryResult& result);
 py::object answer_of(const jobs::RenderPlan& plan, const jobs::RenderResult& result);
 py::object answer_of(const jobs::MergePlan& plan, const renderer::MergedImage& result);
 

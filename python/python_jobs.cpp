@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -155,16 +157,47 @@ std::vector<std::string> texts_of(const jobs::FieldEntry& field, const py::handl
   return {is_no_class ? "none" : text_of_value(value, separator_of(field.kind))};
 }
 
-/// Fields of outputs beside those of all jobs.
-constexpr std::array<std::string_view, 1> k_silent_fields = {"preview"};
+/// Fields of images that cannot change them, beside those of all jobs: as in tools/command.cpp.
+constexpr std::array<std::string_view, 11> k_silent_fields = {
+    "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
+    "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
 
 /// How a job is called.
 struct Call {
-  py::dict values;  ///< of its fields
+  py::dict values;  ///< of its fields; the job may take some out
   int workers;
   py::object progress;
   py::object note;  ///< called with what the job notes; None: nobody hears it
 };
+
+/// Takes targets that are arrays out of the values: they are read without making texts of them. The request
+/// refers to what is returned.
+std::vector<Doubles> take_targets(const py::dict& values, jobs::QueryRequest& request) {
+  std::vector<Doubles> taken;
+  for (std::size_t i = 0; i < jobs::k_target_families; ++i) {
+    const auto family = static_cast<jobs::TargetFamily>(i);
+    const jobs::TargetKind& kind = jobs::target_kind(family);
+    for (const char* const option : {kind.texts_option, kind.value_option}) {
+      const std::string name = option + std::string_view("--").size();
+      const py::object value = values.attr("get")(name);
+      if (!is_list(value) || py::len(value) == 0 || is_text(value[py::int_(0)])) continue;
+      const Doubles given = real_numbers(value, name.c_str());
+      const auto width = static_cast<py::ssize_t>(kind.columns.size()), found = given.shape(given.ndim() - 1);
+      if (found < static_cast<py::ssize_t>(kind.required_count()) || found > width)
+        throw input_error(fmt::format("{} has the wrong shape", name), fmt::format("rows of {}", kind.form()),
+                          "shape " + shape_text(given));
+      Doubles& rows = taken.emplace_back(Shape{given.size() / found, width});
+      std::fill_n(rows.mutable_data(), rows.size(), std::numeric_limits<double>::quiet_NaN());
+      for (py::ssize_t row = 0; row < rows.shape(0); ++row)
+        std::copy_n(given.data() + row * found, found, rows.mutable_data(row, 0));
+      check_that(request.given(family).rows.empty(), "targets given twice",
+                 fmt::format("{} or {}", kind.texts_option, kind.value_option));
+      request.given(family).rows = {rows.data(), static_cast<std::size_t>(rows.size())};
+      values.attr("pop")(name);
+    }
+  }
+  return taken;
+}
 
 /// Whether the output of a job is its answer, or an extra: the answer is returned, too.
 enum class Output { extra, answer };
@@ -177,6 +210,7 @@ template <class Request>
 py::object run_job(const char* name, const AddFields<Request>& add_fields, Output output, const Call& call) {
   Request request;
   if constexpr (requires { request.returns_films; }) request.returns_films = true;
+  std::vector<Doubles> targets;
   const auto table = std::make_shared<jobs::FieldTable>(name, &is_interrupted);
   add_fields(jobs::Fields(table), request);
   std::vector<std::string> notes, warnings;
@@ -193,6 +227,7 @@ py::object run_job(const char* name, const AddFields<Request>& add_fields, Outpu
   };
   try {
     if (output == Output::extra) table->waive("output");
+    if constexpr (std::is_same_v<Request, jobs::QueryRequest>) targets = take_targets(call.values, request);
     for (const auto& [field, value] : call.values) give(*table, py::str(field), value);
     if constexpr (requires { request.command; })
       request.command = jobs::command_text(*table, k_silent_fields);
@@ -253,6 +288,7 @@ const std::vector<Job>& all_jobs() {
                                        job("convert", &jobs::add_convert_fields, Output::answer),
                                        job("change", &jobs::add_change_fields),
                                        job("compare", &jobs::add_compare_fields),
+                                       job("query", &jobs::add_query_fields),
                                        job("render", &jobs::add_render_fields),
                                        job("merge", &jobs::add_merge_fields),
                                        job("sql", &jobs::add_sql_fields),

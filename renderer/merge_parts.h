@@ -32,8 +32,8 @@ struct MergedImage {
   int parts = 0;
 };
 
-/// Joins the parts of an image, in any order, for an image file of this name, which may be empty: the film and
-/// the facts are those of one run. A part may be given again if it has the same samples. The files may be of
+/// Joins the parts of an image, in any order, for an image file of this name, if it has one: the film and the
+/// facts are those of one run. A part may be given again if it has the same samples. The files may be of
 /// machines that use other folders for the image; all else that a fingerprint has must be equal.
 ///
 /// Errors: not a part; unfinished; of another image than the first file, naming the first thing that

@@ -108,7 +108,7 @@ TargetFamily chosen_family(const QueryRequest& request) {
     const TargetKind& kind = target_kind(static_cast<TargetFamily>(i));
     all += (all.empty() ? "" : ", ") + std::string(kind.texts_option);
     if (given.empty()) continue;
-    if (!given.text.empty() && !given.values.empty()) {
+    if (int{!given.text.empty()} + int{!given.values.empty()} + int{!given.rows.empty()} > 1) {
       throw input_error(fmt::format("{} and {} exclude each other", kind.texts_option, kind.value_option),
                         "one of them");
     }
@@ -479,6 +479,7 @@ class QueryRun {
  private:
   void run_in_place() {
     const std::unique_ptr<CopcTiles> tiles = open_copc(request_, listener_);
+    result_.crs = tiles->crs();
     answer(explained_query<Target>(*tiles, query_, steps_),
            {open_output(plan_, tiles->lattice(), result_), {}});
     add_reads(*tiles, result_.work);
@@ -490,6 +491,7 @@ class QueryRun {
                         "a single COPC file, or a catalog of such");
     const QueriedCloud queried = load_queried<Target>(plan_, listener_);
     const IndexedCloud& cloud = queried.indexed;
+    result_.crs = cloud.cloud.crs;
     query_.filter = queried.class_filter(request_);
     const bool is_las = plan_.form() == AnswerForm::las;
     auto output = is_las

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cloud/crs.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
@@ -30,13 +31,11 @@ struct QueryRequest : CloudRequest {
   std::optional<int> max_level;
   std::optional<std::bitset<256>> classes;
   bool occluded = false, count = false, explain = false;
-  bool is_loaded = false;             ///< a COPC file is loaded, not read in place
-  std::optional<std::size_t> memory;  ///< bytes to keep of a COPC file that is read in place
-  // Where answers go: to a file; without one to write_text, if it is set; else they are the result.
-  std::filesystem::path output;
+  /// A COPC file is loaded, not read in place, of which `memory` bytes are kept.
+  bool is_loaded = false;
+  // Answers go to the output; without one to write_text, if it is set; else they are the result.
   std::optional<AnswerForm> format;
-  std::optional<int> precision;  ///< significant digits of numbers in texts
-  bool overwrite = false;
+  std::optional<int> precision;                      ///< significant digits of numbers in texts
   std::function<void(std::string_view)> write_text;  ///< takes the next piece of the text
   bool is_text_shown = false;  ///< on the terminal, where a progress of the listener would run into it
 
@@ -78,6 +77,7 @@ struct WorkCount {
 struct QueryResult {
   std::vector<AnswerColumn> columns;
   std::vector<AnswerRow> rows;  ///< in the order of the targets; empty if they were written
+  Crs crs;                      ///< of the cloud
   std::vector<WorkCount> work;  ///< targets, steps of Algorithm 1, what was read; filled if explained
 };
 

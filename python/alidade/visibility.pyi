@@ -23,7 +23,7 @@ def horizon(files: _Files, *, classes: _List | None = None, where: str | None = 
             occluder: Literal["auto", "disc", "sphere"] | None = None, radius: float | None = None,
             radius_max: float | None = None, transparency: int | None = None, mesh: _Files | None = None,
             terrain: _File | None = None, ignore_classes: _List | None = None, output: _File | None = None,
-            skyline: _File | None = None, depth: _File | None = None, depth_size: str | None = None,
+            skyline: _File | None = None, depth: _File | None = None, depth_size: str | Sequence[int] | None = None,
             step: float | None = None, resolution: float | None = None, directions: int | None = None,
             overwrite: bool = False, memory: int | str | None = None, partial: bool = False, workers: int = -1,
             progress: Callable[[int, int], Any] | None = None, note: Callable[[str], Any] | None = None) -> Rows: ...

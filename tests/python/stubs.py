@@ -18,6 +18,7 @@ RETURNS = {
     "index": "dict[str, Any]",
     "info": "dict[str, Any]",
     "merge": "RenderedImage",
+    "query": "Rows",
     "render": "Rendering",
     "sql": "Rows | list[Rows]",
     "sql load": "dict[str, Any]",
@@ -35,7 +36,7 @@ RETURNS = {
 }
 PACKAGE = Path(__file__).resolve().parents[2] / "python" / "alidade"
 BEGIN, END = "# Made by tests/python/stubs.py from here", "# to here"
-LENGTHS = {"LENGTH", "METRES", "PIXELS", "STOPS", "R", "C", "DEGREES", "MINUTES", "S", "SHARE", "E", "F"}
+LENGTHS = {"LENGTH", "METRES", "PIXELS", "STOPS", "R", "C", "DEGREES", "MINUTES", "S", "SHARE", "A", "B", "E", "F"}
 COUNTS = {"N", "K", "0..255"}
 OWN = ["workers: int = -1", "progress: Callable[[int, int], Any] | None = None", "note: Callable[[str], Any] | None = None"]
 
@@ -55,6 +56,8 @@ def type_of(kind, form):
         one = "float | str"
     elif kind == "SIZE":
         one = "int | str"
+    elif kind == "FILE|-":
+        return "_File | ArrayLike"
     elif any(word in kind for word in ("FILE", "FOLDER", "CLOUD", "PART")) or kind in ("BEFORE", "AFTER", "REFERENCE", "TEST"):
         one = "_File"
     elif "xH" in kind or kind == "I/N":

@@ -97,7 +97,7 @@ def test_parts_are_merged(yard, tmp_path):
     assert merged.file is None and merged.camera is None and merged.statistics["parts"] == 2
     written = alidade.jobs.merge(parts, output=tmp_path / "image.png")
     assert written.layers == {} and written.file == str(tmp_path / "image.png") and (tmp_path / "image.png").exists()
-    with pytest.raises(alidade.Error, match="expected output FILE"):
+    with pytest.raises(alidade.Error, match="missing output"):
         alidade.jobs.render(yard, part="1/2", **SMALL)
 
 
