@@ -85,6 +85,7 @@ class PtxReader final : public TableReader {
   }
 
   glm::dvec3 resolution(const Bounds&) const override {
+    if (!written_) return glm::dvec3(0.0);  // no line was read yet
     return written_->resolution() * (std::isfinite(scale_) && scale_ > 0.0 ? scale_ : 1.0);
   }
   IntensityScale intensity_scale() const override { return IntensityScale::unit; }

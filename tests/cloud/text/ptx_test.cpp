@@ -45,6 +45,14 @@ TEST(Ptx, a_transform_written_by_columns_is_transposed_with_a_warning) {
   EXPECT_TRUE(warns(cloud, "transposed"));
 }
 
+TEST(Ptx, the_resolution_is_that_of_the_written_digits_once_they_are_read) {
+  const std::string text = scan("1\n1\n", k_identity, "1.25 2.5 3 0.5\n");
+  const auto reader = open_ptx(InputFile(std::as_bytes(std::span(text)), "memory"), Damage::reject);
+  EXPECT_EQ(reader->resolution(Bounds(glm::dvec3(0), glm::dvec3(9))), glm::dvec3(0.0));
+  reader->survey({});
+  EXPECT_EQ(reader->resolution(Bounds(glm::dvec3(0), glm::dvec3(9))), glm::dvec3(0.005, 0.05, 0.5));
+}
+
 TEST(Ptx, cells_without_a_return_are_dropped_and_counted) {
   const PointCloud cloud = read_ptx(
       scan("2\n2\n", "1 0 0 0\n0 1 0 0\n0 0 1 0\n7 7 7 1\n", "0 0 0 0.5\n1 2 3 0.5\n0 0 0 0\n0 0 1 1\n"));
