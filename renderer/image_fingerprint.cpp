@@ -10,6 +10,7 @@
 #include "renderer/integrator.h"
 #include "renderer/scene_forms.h"
 #include "renderer/sky.h"
+#include "renderer/sun_forms.h"
 
 namespace alidade::renderer {
 namespace {

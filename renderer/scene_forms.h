@@ -10,13 +10,17 @@
 
 namespace alidade::renderer {
 
+/// Radiance and irradiance per channel.
+inline constexpr NumberRange k_light{0.0, 1e9};
+/// Degrees.
+inline constexpr NumberRange k_angle{-360, 360};
+
 /// A whole scene file. write() leaves out what no such file has; it writes names of files as they are in the
 /// scene, which are relative to the working directory.
 const JsonForm<Scene>& scene_form();
 
 const JsonForm<CloudSettings>& cloud_form();
 const JsonForm<Sky>& sky_form();
-const JsonForm<geo::Sun>& sun_form();
 /// Of points and triangles, which have colours of their own, so that the albedo may be left out.
 const JsonForm<Material>& material_form();
 /// Requires for writing: a Model is a mesh in a file.

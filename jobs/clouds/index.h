@@ -7,11 +7,11 @@
 
 #include "base/scratch_file.h"
 #include "cloud/read_cloud.h"
-#include "jobs/long_run.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/load_cloud.h"
+#include "jobs/long_run.h"
 #include "jobs/plan.h"
 #include "octree/build.h"
 

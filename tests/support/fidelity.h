@@ -6,8 +6,8 @@
 
 #include "camera/camera.h"
 #include "image/film.h"
-#include "renderer/load_cloud.h"
 #include "jobs/render/site_surfaces.h"
+#include "renderer/load_cloud.h"
 
 // Measures how far images of a scan are from images of the site that was scanned: camera, integrator and
 // random numbers are equal, and only the answers to rays differ.
