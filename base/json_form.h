@@ -73,7 +73,7 @@ JsonForm<Value> word_form(std::vector<std::pair<std::string_view, Value>> words)
           std::move(schema)};
 }
 
-/// "word", which stands for no value, or a value.
+/// A value, or the word `word` in its place, which reads as an empty optional.
 template <class Value>
 JsonForm<std::optional<Value>> word_or(std::string_view word, JsonForm<Value> form) {
   return {[word, read = form.read](const JsonNode& node) {

@@ -44,7 +44,8 @@ class FieldTable : public FieldSink {
   /// field, naming the nearest, if the number of texts is wrong, or if one has a byte of value 0.
   void give(std::string_view name, std::vector<std::string> texts);
 
-  /// The field of a name, as of give(). Errors: UsageError if there is none, naming the nearest.
+  /// The field that give() would take for this name. Errors: UsageError for an unknown name, with the nearest
+  /// known one.
   const FieldEntry& entry(std::string_view name) const { return entries_[index_of(name)]; }
 
   /// A text in which the options of fields have their own_name(): "observer_grid" for "--observer-grid".

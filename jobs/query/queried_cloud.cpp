@@ -34,7 +34,7 @@ Bounds widened(const Bounds& box, double by) {
 
 // target_bounds() is a box around all points that can answer a target, which are at most `radius` from it, of
 // a cloud in the box `within`. It is a little larger than necessary, so that rounding leaves no point out;
-// empty if there are none. `radius` does not apply to cones, half-spaces and boxes.
+// it is empty if no point can answer. Cones, half-spaces and boxes ignore `radius`.
 
 Bounds target_bounds(const Ray& ray, double radius, const Bounds& within) {
   if (within.empty() || !(ray.t_min <= ray.t_max)) return {};

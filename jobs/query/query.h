@@ -31,7 +31,7 @@ struct QueryRequest : CloudRequest {
   std::optional<int> max_level;
   std::optional<std::bitset<256>> classes;
   bool occluded = false, count = false, explain = false;
-  /// A COPC file is loaded, not read in place, of which `memory` bytes are kept.
+  /// Whether a COPC file is loaded whole; else it is read in place, and `memory` bytes of it are kept.
   bool is_loaded = false;
   // Answers go to the output; without one to write_text, if it is set; else they are the result.
   std::optional<AnswerForm> format;

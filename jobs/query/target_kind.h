@@ -54,7 +54,7 @@ struct TargetKind {
   std::string form() const;
   /// "ox, oy, ...": every column by name.
   std::string names() const;
-  /// Position in `columns`; their number if there is none of that name.
+  /// Index in `columns` of the column with that name; columns.size() if no column has it.
   std::size_t column(std::string_view name) const;
 };
 

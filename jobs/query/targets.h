@@ -57,10 +57,9 @@ class TargetReader {
                const std::function<bool()>& stops = {});
   ~TargetReader();
 
-  /// The next targets, at most so many; false if there are none left. Errors name source, line and column, of
-  /// several the first one: a row that is none, or whose values break their rules; a line longer than a
-  /// mebibyte; a region or path number below the one before; a path whose vertices are all the same.
-  /// Cancelled.
+  /// Reads at most `most` targets; false at the end. Reports the first error with source, line and column:
+  /// an invalid row, or values out of range; a line longer than a mebibyte; a region or path number below the
+  /// one before; a path whose vertices are all the same. Cancelled.
   bool next(std::size_t most, TargetBatch<Target>& batch);
 
   /// Share of the text that is before the targets still to come; 0 if its size is not known.

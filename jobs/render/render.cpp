@@ -23,7 +23,7 @@
 namespace alidade::jobs {
 namespace {
 
-/// An estimated error; of one sample there is none.
+/// An estimated error, or "unknown": one sample gives no estimate.
 std::string error_text(double error, int digits) {
   return std::isinf(error) ? "unknown" : fmt::format("{:.{}g}", error, digits);
 }

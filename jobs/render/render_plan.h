@@ -26,7 +26,7 @@ std::string shown_name(const PlannedImage& image);
 /// What the first image resumes from.
 struct Resumption {
   std::optional<std::uint64_t> samples;  ///< camera samples of a checkpoint; empty: from the beginning
-  std::string note;                      ///< for when the checkpoint has been accepted, or there is none
+  std::string note;                      ///< once the checkpoint is accepted, or if no checkpoint exists
 };
 
 /// A checked request, whose scene and files are complete, and what follows from it. Made by plan().
