@@ -54,7 +54,7 @@ def package(folder):
             sys.exit(f"wheel_backend: error: {tool} is missing; expected the Debian package {name}")
     launcher = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
     subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DALIDADE_BUILD_TESTS=OFF",
-                    f"-DALIDADE_PYTHON={sys.executable}", *launcher], check=True)
+                    "-DALIDADE_UNITY=ON", f"-DALIDADE_PYTHON={sys.executable}", *launcher], check=True)
     subprocess.run(["cmake", "--build", BUILD, "--parallel", str(os.cpu_count()), "--target", "alidade_python"], check=True)
     shutil.copytree(BUILD / "python" / "alidade", folder, ignore=shutil.ignore_patterns("__pycache__"))
     (module,) = folder.glob("_alidade*.so")
