@@ -18,14 +18,13 @@
 #include "jobs/visibility/change.h"
 #include "jobs/visibility/horizon.h"
 #include "jobs/visibility/lines.h"
-#include "jobs/visibility/photos.h"
 #include "jobs/visibility/place.h"
 #include "jobs/visibility/points.h"
 #include "jobs/visibility/raster.h"
 #include "jobs/visibility/sky.h"
 #include "jobs/visibility/summary.h"
 #include "jobs/visibility/sun.h"
-#include "python/python_arrays.h"
+#include "python/answer_columns.h"
 
 // The results of jobs as the named tuples of alidade/_answers.py. Names of columns and their values are those
 // of the files that the jobs write.
@@ -40,7 +39,6 @@ py::object answer_of(const jobs::SunPlan& plan, const jobs::SunResult& result);
 py::object answer_of(const jobs::LinesPlan& plan, const jobs::LinesResult& result);
 py::object answer_of(const jobs::PlacePlan& plan, const jobs::PlaceResult& result);
 py::object answer_of(const jobs::SummaryPlan& plan, const jobs::SummaryResult& result);
-py::object answer_of(const jobs::PhotosPlan& plan, const jobs::PhotosResult& result);
 py::object answer_of(const jobs::ChangePlan& plan, const jobs::ChangeResult& result);
 py::object answer_of(const jobs::InfoPlan& plan, const jobs::InfoResult& result);
 py::object answer_of(const jobs::ConvertPlan& plan, const jobs::ConvertResult& result);

@@ -10,6 +10,7 @@
 #include "jobs/cloud_fields.h"
 #include "python/docstrings.h"
 #include "python/python_cloud.h"
+#include "python/python_jobs.h"
 
 namespace {
 
@@ -66,5 +67,7 @@ PYBIND11_MODULE(_alidade, module) {
        .wkt = [](const Crs& crs) { return has_gdal() ? alidade::geo::library_wkt(crs) : crs.wkt; }});
   alidade::python::add_cloud(module);
   alidade::python::add_images(module);
-  alidade::python::add_jobs(module);
+  alidade::python::PythonHooks extensions;
+  alidade::python::add_extensions(extensions);
+  alidade::python::add_jobs(module, extensions);
 }

@@ -80,7 +80,5 @@ void add_cloud(py::module_& module);
 void add_queries(py::class_<Index, Cloud>& index);
 /// Declares render(), visible(), viewshed() and compare().
 void add_images(py::module_& module);
-/// Declares _job_fields() and _run_job(), for the jobs of the program.
-void add_jobs(py::module_& module);
 
 }  // namespace alidade::python

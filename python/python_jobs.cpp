@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "python/python_jobs.h"
+
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
@@ -7,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -162,14 +163,6 @@ constexpr std::array<std::string_view, 11> k_silent_fields = {
     "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
     "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
 
-/// How a job is called.
-struct Call {
-  py::dict values;  ///< of its fields; the job may take some out
-  int workers;
-  py::object progress;
-  py::object note;  ///< called with what the job notes; None: nobody hears it
-};
-
 /// Takes targets that are arrays out of the values: they are read without making texts of them. The request
 /// refers to what is returned.
 std::vector<Doubles> take_targets(const py::dict& values, jobs::QueryRequest& request) {
@@ -199,25 +192,80 @@ std::vector<Doubles> take_targets(const py::dict& values, jobs::QueryRequest& re
   return taken;
 }
 
-/// Whether the output of a job is its answer, or an extra: the answer is returned, too.
-enum class Output { extra, answer };
+/// A query, whose targets may be arrays.
+template <class Answer>
+class QueryRun : public RequestRun<jobs::QueryRequest, Answer> {
+ public:
+  using RequestRun<jobs::QueryRequest, Answer>::RequestRun;
+  void take_arrays(const py::dict& values) override { targets_ = take_targets(values, this->request_); }
+
+ private:
+  std::vector<Doubles> targets_;  ///< the request refers to them
+};
+
+/// What job_answers.h makes of the result of a job of the core.
+constexpr auto k_answer = [](const auto& plan, auto& result) { return answer_of(plan, result); };
 
 template <class Request>
-using AddFields = std::function<void(const jobs::Fields&, Request&)>;
+Job core_job(const char* command, void (*add_fields)(const jobs::Fields&, Request&),
+             Output output = Output::extra) {
+  return job(command, "", add_fields, k_answer, output);
+}
+
+/// Without fields of those who print the result.
+void add_compare_fields(const jobs::Fields& fields, jobs::CompareRequest& request) {
+  jobs::add_compare_fields(fields, request);
+}
+
+void add_change_fields(const jobs::Fields& fields, jobs::ChangeRequest& request) {
+  jobs::add_change_fields(fields, request);
+}
+
+void add_sql_fields(const jobs::Fields& fields, jobs::SqlRequest& request) {
+  jobs::add_sql_fields(fields, request);
+}
+
+std::vector<Job> core_jobs() {
+  using enum Output;
+  return {core_job("info", &jobs::add_info_fields),
+          core_job("generate", &jobs::add_generate_fields),
+          core_job("index", &jobs::add_index_fields, answer),
+          core_job("catalog", &jobs::add_catalog_fields, answer),
+          core_job("convert", &jobs::add_convert_fields, answer),
+          core_job("change", &add_change_fields),
+          core_job("compare", &add_compare_fields),
+          {"query", "",
+           [] { return std::make_unique<QueryRun<decltype(k_answer)>>(&jobs::add_query_fields, k_answer); }},
+          core_job("render", &jobs::add_render_fields),
+          core_job("merge", &jobs::add_merge_fields),
+          core_job("sql", &add_sql_fields),
+          core_job("sql load", &jobs::add_load_fields),
+          core_job("sql rewrite", &jobs::add_rewrite_fields),
+          core_job("sql shard-plan", &jobs::add_shard_plan_fields, answer),
+          core_job("visibility points", &jobs::add_points_fields),
+          core_job("visibility raster", &jobs::add_raster_fields),
+          core_job("visibility horizon", &jobs::add_horizon_fields),
+          core_job("visibility sky", &jobs::add_sky_fields),
+          core_job("visibility sun", &jobs::add_sun_fields),
+          core_job("visibility lines", &jobs::add_lines_fields),
+          core_job("visibility place", &jobs::add_place_fields),
+          core_job("visibility summary", &jobs::add_summary_fields)};
+}
+
+/// How a job is called.
+struct Call {
+  py::dict values;  ///< of its fields; the job may take some out
+  int workers;
+  py::object progress;
+  py::object note;  ///< called with what the job notes; None: nobody hears it
+};
 
 /// Plans and runs a job.
-template <class Request>
-py::object run_job(const char* name, const AddFields<Request>& add_fields, Output output, const Call& call) {
-  Request request;
-  if constexpr (requires { request.returns_films; }) request.returns_films = true;
-  std::vector<Doubles> targets;
-  const auto table = std::make_shared<jobs::FieldTable>(name, &is_interrupted);
-  add_fields(jobs::Fields(table), request);
+py::object run_job(const Job& job, const Call& call) {
+  const std::unique_ptr<JobRun> run = job.begin();
+  const auto table = std::make_shared<jobs::FieldTable>(job.command, &is_interrupted);
+  run->add_fields(jobs::Fields(table));
   std::vector<std::string> notes, warnings;
-  using Plan = decltype(plan(request));
-  using Result = decltype(run(plan(request), std::declval<jobs::Listener&>()));
-  std::optional<Plan> checked;
-  std::optional<Result> result;
   // Also after an error: what was said before may explain it.
   const auto tell = [&] {
     for (const std::string& text : notes)
@@ -226,16 +274,14 @@ py::object run_job(const char* name, const AddFields<Request>& add_fields, Outpu
     warn(warnings, 2);
   };
   try {
-    if (output == Output::extra) table->waive("output");
-    if constexpr (std::is_same_v<Request, jobs::QueryRequest>) targets = take_targets(call.values, request);
+    if (job.output == Output::extra) table->waive("output");
+    run->take_arrays(call.values);
     for (const auto& [field, value] : call.values) give(*table, py::str(field), value);
-    if constexpr (requires { request.command; })
-      request.command = jobs::command_text(*table, k_silent_fields);
+    if (std::string* const command = run->command()) *command = jobs::command_text(*table, k_silent_fields);
     run_watched(call.workers, call.progress, [&](const Progress& watch) {
       table->read();
-      checked.emplace(plan(request));
       PythonListener listener(watch, notes, warnings);
-      result.emplace(run(*checked, listener));
+      run->work(listener);
     });
   } catch (const jobs::UsageError& error) {
     throw Error({.problem = table->in_own_words(error.what())});
@@ -247,71 +293,14 @@ py::object run_job(const char* name, const AddFields<Request>& add_fields, Outpu
     throw;
   }
   tell();
-  return answer_of(*checked, *result);
-}
-
-/// A job of the program.
-struct Job {
-  std::string name;  ///< the command
-  std::function<void(const std::shared_ptr<jobs::FieldTable>&)> declare;
-  std::function<py::object(const Call&)> run;
-};
-
-template <class Request>
-Job job(const char* name, AddFields<Request> add_fields, Output output = Output::extra) {
-  return {name,
-          [add_fields](const std::shared_ptr<jobs::FieldTable>& table) {
-            Request request;
-            add_fields(jobs::Fields(table), request);
-          },
-          [=](const Call& call) { return run_job<Request>(name, add_fields, output, call); }};
-}
-
-template <class Request>
-Job job(const char* name, void (*add_fields)(const jobs::Fields&, Request&), Output output = Output::extra) {
-  return job<Request>(name, AddFields<Request>(add_fields), output);
-}
-
-/// A job with a place for fields of those who print its result.
-template <class Request>
-Job job(const char* name, void (*add_fields)(const jobs::Fields&, Request&, const std::function<void()>&)) {
-  return job<Request>(name, [add_fields](const jobs::Fields& fields, Request& request) {
-    add_fields(fields, request, [] {});
-  });
-}
-
-const std::vector<Job>& all_jobs() {
-  static const std::vector<Job> all = {job("info", &jobs::add_info_fields),
-                                       job("generate", &jobs::add_generate_fields),
-                                       job("index", &jobs::add_index_fields, Output::answer),
-                                       job("catalog", &jobs::add_catalog_fields, Output::answer),
-                                       job("convert", &jobs::add_convert_fields, Output::answer),
-                                       job("change", &jobs::add_change_fields),
-                                       job("compare", &jobs::add_compare_fields),
-                                       job("query", &jobs::add_query_fields),
-                                       job("render", &jobs::add_render_fields),
-                                       job("merge", &jobs::add_merge_fields),
-                                       job("sql", &jobs::add_sql_fields),
-                                       job("sql load", &jobs::add_load_fields),
-                                       job("sql rewrite", &jobs::add_rewrite_fields),
-                                       job("sql shard-plan", &jobs::add_shard_plan_fields, Output::answer),
-                                       job("visibility points", &jobs::add_points_fields),
-                                       job("visibility raster", &jobs::add_raster_fields),
-                                       job("visibility horizon", &jobs::add_horizon_fields),
-                                       job("visibility sky", &jobs::add_sky_fields),
-                                       job("visibility sun", &jobs::add_sun_fields),
-                                       job("visibility lines", &jobs::add_lines_fields),
-                                       job("visibility place", &jobs::add_place_fields),
-                                       job("visibility summary", &jobs::add_summary_fields),
-                                       job("visibility photos", &jobs::add_photos_fields)};
-  return all;
+  return run->answer();
 }
 
 /// (name, kind, help, form, whether it is an operand, whether it is required) of every field, as Python names
 /// it.
 py::list fields_of(const Job& job) {
-  const auto table = std::make_shared<jobs::FieldTable>(job.name);
-  job.declare(table);
+  const auto table = std::make_shared<jobs::FieldTable>(job.command);
+  job.begin()->add_fields(jobs::Fields(table));
   constexpr const char* k_forms[] = {"flag", "value", "text", "repeated", "words"};
   py::list all;
   for (const jobs::FieldEntry& field : table->entries())
@@ -339,15 +328,24 @@ void give(jobs::FieldTable& table, const std::string& name, const py::handle& va
   table.give(name, std::move(texts));
 }
 
-void add_jobs(py::module_& module) {
+void add_jobs(py::module_& module, const PythonHooks& extensions) {
+  static std::vector<Job> all;
+  all = core_jobs();
+  all.insert(all.end(), extensions.jobs.begin(), extensions.jobs.end());
   module.def("_job_fields", [] {
     py::dict fields;
-    for (const Job& job : all_jobs()) fields[job.name.c_str()] = fields_of(job);
+    for (const Job& job : all) fields[job.command.c_str()] = fields_of(job);
     return fields;
   });
-  module.def("_run_job", [](const std::string& name, const py::dict& values, int workers,
+  module.def("_added_jobs", [] {
+    py::dict summaries;
+    for (const Job& job : all)
+      if (!job.summary.empty()) summaries[job.command.c_str()] = job.summary;
+    return summaries;
+  });
+  module.def("_run_job", [](const std::string& command, const py::dict& values, int workers,
                             const py::object& progress, const py::object& note) {
-    return std::ranges::find(all_jobs(), name, &Job::name)->run({values, workers, progress, note});
+    return run_job(*std::ranges::find(all, command, &Job::command), {values, workers, progress, note});
   });
 }
 

@@ -125,6 +125,17 @@ void check_server_names(const CommandLine& words) {
   }
 }
 
+/// Declares a command of an extension. Requires: there is such a group.
+void add_command(std::vector<Command>& commands, const Options& program, const AddedCommand& added) {
+  if (added.group.empty()) {
+    commands.push_back(added.declare(program));
+    return;
+  }
+  Command& group = *std::ranges::find(commands, added.group,
+                                      [](const Command& command) { return command.options.name(); });
+  group.parts.push_back(added.declare(group.options));
+}
+
 /// Runs the chosen one of these commands or of their parts.
 ExitCode run_chosen(const std::vector<Command>& commands, const CommandLine& words) {
   const auto is_chosen = [](const Command& command) { return command.options.chosen(); };
@@ -188,17 +199,19 @@ std::string version_text() {
                      image::library_version(), geo::library_version());
 }
 
-ExitCode run_program(const CommandLine& command_line) {
+ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extensions) {
   check_server_names(command_line);
   set_remote_files([](const std::string& name) { return jobs::open_remote(name, &interrupted); });
   use_crs_library({.compare = &geo::compare_systems, .wkt = &geo::library_wkt});
   Parser parser;
   const Options program = parser.program();
-  const std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),
-                                         add_catalog(program),    add_convert(program),  add_query(program),
-                                         add_render(program),     add_merge(program),    add_compare(program),
-                                         add_visibility(program), add_change(program),   add_sql(program),
-                                         add_formats(program),    add_manual(program)};
+  std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),
+                                   add_catalog(program),    add_convert(program),  add_query(program),
+                                   add_render(program),     add_merge(program),    add_compare(program),
+                                   add_visibility(program), add_change(program),   add_sql(program)};
+  for (const AddedCommand& added : extensions.commands) add_command(commands, program, added);
+  commands.push_back(add_formats(program));
+  commands.push_back(add_manual(program));
   // Behind the program's name.
   CommandLine words(command_line.begin() + std::min<std::ptrdiff_t>(std::ssize(command_line), 1),
                     command_line.end());

@@ -129,13 +129,27 @@ Command add_sql(const Options& program);
 Command add_formats(const Options& program);
 Command add_manual(const Options& program);
 
+/// A command that an extension adds.
+struct AddedCommand {
+  std::string_view group;                    ///< its group, such as "visibility"; empty: none
+  Command (*declare)(const Options& group);  ///< declares it in the group, or in the program
+};
+
+/// What extensions add to the program.
+struct ProgramHooks {
+  std::vector<AddedCommand> commands;  ///< listed behind the commands of the core
+};
+
+/// Adds what every extension adds that the program is built with. Defined by the build, in the program.
+void add_extensions(ProgramHooks& hooks);
+
 /// The output of 'alidade --version': the version in its first line, then the instruction set that queries
 /// use on this machine, the compiler, and the libraries that were compiled in, those that are loaded when
 /// needed last.
 std::string version_text();
 
 /// Runs a command line, whose first word is the program's name. Errors: those of the commands.
-ExitCode run_program(const CommandLine& command_line);
+ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extensions);
 
 /// `alidade sql load`, `alidade sql rewrite` and `alidade sql shard-plan`.
 Command add_sql_load(const Options& sql);

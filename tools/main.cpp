@@ -11,7 +11,9 @@ int main(int argument_count, char** arguments) {
   catch_interrupts();
   ExitCode code = ExitCode::failed;
   try {
-    code = run_program(CommandLine(arguments, arguments + argument_count));
+    ProgramHooks extensions;
+    add_extensions(extensions);
+    code = run_program(CommandLine(arguments, arguments + argument_count), extensions);
   } catch (const Cancelled&) {
     say_error("interrupted");
     code = ExitCode::interrupted;

@@ -66,15 +66,15 @@ using jobs::same_file;
 using jobs::split_list;
 using jobs::UsageError;
 
-/// The part of a command's manual behind its options: the text of tools/manuals/NAME.txt, which is compiled
-/// into the program. `name`: "query", or "visibility_raster" for a command of a group; "alidade" for the
-/// program. Requires: there is such a text.
+/// The part of a command's manual behind its options: the text of NAME.txt in tools/manuals, or in the folder
+/// of an extension, which is compiled into the program. `name`: "query", or "visibility_raster" for a command
+/// of a group; "alidade" for the program. Requires: there is such a text.
 std::string_view manual(std::string_view name);
 
 /// The options of a command. Copies refer to the same command.
 class Options : public Fields {
  public:
-  /// Declares a sub-command, whose manual is tools/manuals/NAME.txt, or GROUP_NAME.txt for one of a group.
+  /// Declares a sub-command, whose manual is NAME.txt, or GROUP_NAME.txt for one of a group.
   Options command(const std::string& name, const std::string& description) const;
 
   /// A second name of the command.

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "renderer/overview.h"
-#include "visibility/photos/photo_visibility.h"
+#include "visibility/photo_frame.h"
 
 namespace alidade::jobs {
 namespace {

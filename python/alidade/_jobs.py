@@ -5,7 +5,7 @@ from keyword import iskeyword
 from operator import index
 from textwrap import fill
 
-from ._alidade import _job_fields, _run_job  # type: ignore[import]
+from ._alidade import _added_jobs, _job_fields, _run_job  # type: ignore[import]
 
 _FIELDS = _job_fields()
 
@@ -62,3 +62,8 @@ def job(command, summary):
            for field in fields if not field[4]]
         + [parameter(name, parameter.KEYWORD_ONLY, default=default) for name, default in own])
     return call
+
+
+def added_jobs(is_wanted):
+    """The functions of the commands of extensions, by their names, of those commands that are wanted."""
+    return {function_name(command): job(command, summary) for command, summary in _added_jobs().items() if is_wanted(command)}

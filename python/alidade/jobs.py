@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The other commands of the program on files, as alidade.visibility has those of `alidade visibility`: their fields are the
 options, with _ for -."""
-from ._jobs import job as _job
+from ._jobs import added_jobs as _added_jobs, job as _job
 
 info = _job("info", "Describe cloud files: what --json prints, as a dict.")
 generate = _job("generate", "Simulate a scan of a courtyard: an alidade.Cloud, or None with an output.")
@@ -17,3 +17,4 @@ sql = _job("sql", "Query a cloud with SQL: alidade.Rows of the statement, or a l
 sql_load = _job("sql load", "Store a cloud in a database: a dict with the number of points.")
 sql_rewrite = _job("sql rewrite", "Rewrite statements for engines without dist_ray: a list of dicts.")
 sql_shard_plan = _job("sql shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers: a dict with the number of points.")
+globals().update(_added_jobs(lambda command: not command.startswith("visibility ")))

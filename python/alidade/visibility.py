@@ -4,7 +4,7 @@
 The fields are the options of the program, with _ for -. Their values are numbers, texts, True for options without a value,
 sequences where the program takes a list, such as extent=(x0, y0, x1, y1), and sequences of sequences where an option may be
 repeated, such as observer=[(x, y), (x, y, z)]."""
-from ._jobs import job as _job
+from ._jobs import added_jobs as _added_jobs, job as _job
 
 raster = _job("visibility raster", "Compute a viewshed of the ground, or of objects from the ground: an alidade.Map.")
 points = _job("visibility points", "Compute the visibility of every point, and what blocks it: alidade.Points, with rows of observers.")
@@ -15,4 +15,4 @@ sun = _job("visibility sun", "Compute hours of direct sun and radiation: alidade
 lines = _job("visibility lines", "Test lines of sight between pairs of positions, and their Fresnel zones: alidade.Rows, one per line.")
 place = _job("visibility place", "Choose the few observer positions that see most: alidade.Rows, one per position; none if no candidate sees a target.")
 summary = _job("visibility summary", "Summarize what each observer sees: alidade.Rows, one per observer.")
-photos = _job("visibility photos", "Compute which photos see which points: alidade.Points, with rows of photos.")
+globals().update(_added_jobs(lambda command: command.startswith("visibility ")))

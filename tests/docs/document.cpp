@@ -44,9 +44,11 @@ Document read_document(const std::filesystem::path& repository, const std::strin
 
 std::vector<std::string> document_names(const std::filesystem::path& repository) {
   std::vector<std::string> names = {"README.md", "CONTRIBUTING.md", "CHANGELOG.md"};
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(repository / "docs")) {
-    if (entry.path().extension() == ".md")
-      names.push_back(entry.path().lexically_relative(repository).string());
+  for (const char* const folder : {"docs", "extensions"}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(repository / folder)) {
+      if (entry.path().extension() == ".md")
+        names.push_back(entry.path().lexically_relative(repository).string());
+    }
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -25,7 +25,7 @@ struct Document {
 
 Document read_document(const std::filesystem::path& repository, const std::string& name);
 
-/// README, CONTRIBUTING, CHANGELOG and all pages of docs/ and its folders.
+/// README, CONTRIBUTING, CHANGELOG and all pages of docs/ and extensions/ and their folders.
 std::vector<std::string> document_names(const std::filesystem::path& repository);
 
 }  // namespace alidade::test

@@ -2,7 +2,6 @@
 #include "jobs/visibility/points.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,46 +10,15 @@
 #include <vector>
 
 #include "base/error.h"
-#include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
-#include "jobs/load_cloud.h"
-#include "jobs/visibility/photos.h"
 #include "jobs/visibility/place.h"
 #include "jobs/visibility/summary.h"
-#include "tests/jobs/heard.h"
-#include "tests/support/garden.h"
+#include "tests/jobs/garden_job.h"
 
 namespace alidade::test {
 namespace {
 
-/// What jobs on the points of a garden return if nothing is to be written.
-class PointsJobTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder = std::filesystem::temp_directory_path() / ("alidade_points_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder);
-    write_las(folder / "garden.las", garden(k_metres));
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-
-  template <class Request>
-  Request request() const {
-    Request made;
-    const std::filesystem::path name = folder / "garden.las";
-    made.files = resolve_clouds({&name, 1}, jobs::cloud_formats());
-    return made;
-  }
-
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
-  }
-
-  std::filesystem::path folder;
-  Heard heard;
-};
-
-const auto k_before = visibility::parse_observer("690005,5325010,601.7");
-const auto k_behind = visibility::parse_observer("690015,5325010,601.7");
+using PointsJobTest = GardenJobTest;
 
 TEST_F(PointsJobTest, points_are_seen_or_have_a_blocker) {
   auto points = request<jobs::PointsRequest>();
@@ -102,7 +70,6 @@ TEST_F(PointsJobTest, plans_need_no_points) {
   auto place = request<jobs::PlaceRequest>();
   place.curve = folder / "curve.jpg";
   EXPECT_THROW(plan(place), Error);
-  EXPECT_THROW(plan(request<jobs::PhotosRequest>()), Error) << "no output";
   EXPECT_TRUE(heard.text().empty());
   EXPECT_EQ(file_count(), 1u);
 }
@@ -136,24 +103,6 @@ TEST_F(PointsJobTest, places_are_chosen_or_there_are_none) {
   EXPECT_TRUE(none.placement.positions.empty());
   EXPECT_EQ(heard.warnings.back(), "no candidate sees any target with a positive weight; writing nothing");
   EXPECT_EQ(file_count(), 1u);
-}
-
-TEST_F(PointsJobTest, photos_have_cameras_and_what_they_see) {
-  std::ofstream(folder / "north.json")
-      << R"({"version":1,"model":"pinhole","width":60,"height":40,"intrinsics":{"vertical_fov":60},)"
-      << R"("pose":{"look_at":{"eye":[690005,5325002,603],"target":[690005,5325015,600],"up":[0,0,1]}}})";
-  auto photos = request<jobs::PhotosRequest>();
-  photos.cameras.file = folder / "north.json";
-  photos.output = folder / "seen.las";
-  const jobs::PhotosPlan checked = plan(photos);
-  EXPECT_EQ(checked.request().camera_set.cameras.size(), 1u);
-  const jobs::PhotosResult result = run(checked, heard);
-  ASSERT_EQ(result.cameras.size(), 1u);
-  ASSERT_EQ(result.seen.photos.size(), 1u);
-  EXPECT_GT(result.seen.photos[0].points, 100u);
-  EXPECT_EQ(static_cast<std::uint64_t>(std::ranges::count(result.seen.counts, 1u)),
-            result.seen.photos[0].points);
-  EXPECT_EQ(read_cloud(photos.output).size(), result.seen.counts.size());
 }
 
 }  // namespace

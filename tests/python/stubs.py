@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Types of the functions that run jobs, made from the tables of their fields. Run as a program it writes them:
 PYTHONPATH=build/release/python python3 tests/python/stubs.py"""
+import re
 import sys
 from pathlib import Path
 from textwrap import fill
@@ -8,7 +9,7 @@ from textwrap import fill
 import alidade
 from alidade._jobs import _FIELDS, function_name, keyword
 
-# What a command returns, and the stub that its function is in.
+# What a command of the core returns. Those of extensions return what stands in their stubs.
 RETURNS = {
     "change": "Change",
     "catalog": "dict[str, Any]",
@@ -26,7 +27,6 @@ RETURNS = {
     "sql shard-plan": "dict[str, Any]",
     "visibility horizon": "Rows",
     "visibility lines": "Rows",
-    "visibility photos": "Points",
     "visibility place": "Rows",
     "visibility points": "Points",
     "visibility raster": "Map",
@@ -34,7 +34,7 @@ RETURNS = {
     "visibility summary": "Rows",
     "visibility sun": "dict[str, Map] | Points | Rows",
 }
-PACKAGE = Path(__file__).resolve().parents[2] / "python" / "alidade"
+ROOT = Path(__file__).resolve().parents[2]
 BEGIN, END = "# Made by tests/python/stubs.py from here", "# to here"
 LENGTHS = {"LENGTH", "METRES", "PIXELS", "STOPS", "R", "C", "DEGREES", "MINUTES", "S", "SHARE", "A", "B", "E", "F"}
 COUNTS = {"N", "K", "0..255"}
@@ -75,7 +75,7 @@ def type_of(kind, form):
     return "_Files" if one == "_File" else f"{one} | Sequence[{one}]"
 
 
-def function_text(command):
+def function_text(command, returned):
     name = function_name(command)
     positional, named = [], []
     for field in _FIELDS[command]:
@@ -85,7 +85,7 @@ def function_text(command):
             annotation += " = False" if form == "flag" else " | None = None"
         (positional if is_operand else named).append(annotation)
     arguments = positional + ["*"] + named + OWN
-    arguments[-1] += f") -> {RETURNS[command]}: ..."
+    arguments[-1] += f") -> {returned}: ..."
     text = f"def\0{name}(" + ", ".join(argument.replace(" ", "\0") for argument in arguments)
     filled = fill(text, 124, subsequent_indent=" " * (len(name) + 5), break_long_words=False, break_on_hyphens=False)
     return filled.replace("\0", " ")
@@ -95,15 +95,22 @@ def stub_text(file, commands):
     """The stub with the functions of these commands."""
     text = file.read_text()
     begin, end = text.index(BEGIN) + len(BEGIN), text.index(END)
-    return text[:begin] + "\n" + "".join(function_text(command) + "\n" for command in commands) + text[end:]
+
+    def returned(command):
+        return RETURNS.get(command) or re.search(rf"def {function_name(command)}\(.*?\) -> (.*?): \.\.\.", text, re.S)[1]
+    return text[:begin] + "\n" + "".join(function_text(command, returned(command)) + "\n" for command in commands) + text[end:]
 
 
 def stubs():
-    """Every stub with functions of jobs, and its commands."""
+    """Every stub with functions of jobs, and its commands. Those of extensions are appended to those of the core."""
     found = {}
     for command in sorted(_FIELDS):
         name = "visibility.pyi" if command.startswith("visibility ") else "jobs.pyi"
-        found.setdefault(PACKAGE / name, []).append(command)
+        file = ROOT / "python/alidade" / name
+        for added in ROOT.glob(f"extensions/*/{name}"):
+            if f"\ndef {function_name(command)}(" in added.read_text():
+                file = added
+        found.setdefault(file, []).append(command)
     return found
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Jobs of `alidade visibility`, run from Python."""
 import csv
-import json
 import subprocess
 
 import alidade
@@ -130,15 +129,6 @@ def test_sky_and_sun_are_points_or_maps(yard):
     hours = maps["SunHours"]
     assert hours.values.shape == ground.values.shape and hours.values.max() > 1 and hours.nodata == -9999
     assert alidade.visibility.sun(yard, **day).columns["SunHours"].shape == sky.columns["SkyView"].shape
-
-
-def test_photos_are_points_and_rows_of_photos(yard, tmp_path):
-    camera = {"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"vertical_fov": 60},
-              "pose": {"look_at": {"eye": [689995, 5324983.5, 601.7], "target": [690000, 5325000, 601]}}}
-    (tmp_path / "one.camera.json").write_text(json.dumps(camera))
-    answer = alidade.visibility.photos(yard, camera=tmp_path / "one.camera.json")
-    assert answer.columns["PhotoCount"].sum() == answer.rows["points"].sum() > 0
-    assert list(tmp_path.iterdir()) == [tmp_path / "one.camera.json"]
 
 
 def test_changes_are_of_both_epochs(yard, tmp_path):

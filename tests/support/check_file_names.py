@@ -15,7 +15,7 @@ COMMENT = re.compile(r"(?:^|\s)//.*|^\s*#(?!include).*")
 # Files of other projects, files that the build makes, and files that whoever reads a page or a test writes.
 OTHERS = {"xxhash.h", "zstd.h", "libpq-fe.h", "libnova/libnova.h", "read_write_dense.py", "gdal_edit.py", "gdal_fillnodata.py"}
 MADE = {"page_parts.cpp", "report/page_parts.cpp", "compare/report/page_parts.cpp", "manuals.cpp"}
-WRITTEN = {"NAME.cpp", "script.py", "a_test.cpp", "b_test.cpp", "render_parts.sh"}
+WRITTEN = {"NAME.cpp", "hooks.cpp", "script.py", "a_test.cpp", "b_test.cpp", "render_parts.sh"}
 
 
 def tracked(folder):

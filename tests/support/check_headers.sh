@@ -38,6 +38,9 @@ while IFS=: read -r file included; do
   if [[ ${allowed[$room]} != *" ${included%%/*} "* && -n ${allowed[${included%%/*}]:-} ]]; then
     complain "$file: includes $included; $room may include only from:${allowed[$room]}"
   fi
+  if [[ $file/$included =~ ^extensions/([^/]+)/.*/extensions/([^/]+)/ && ${BASH_REMATCH[1]} != "${BASH_REMATCH[2]}" ]]; then
+    complain "$file: includes $included; an extension includes nothing of another one"
+  fi
   if [[ $file != *.h ]]; then continue; fi
   if [[ -n ${position[$included]:-} && -n ${position[$file]:-} ]] && ((position[$included] >= position[$file])); then
     complain "$file: includes $included, which is listed later in $order"
@@ -46,13 +49,13 @@ done < <(grep -rHoE '^ *# *include "[^"]+"' "${rooms[@]}" --include='*.h' --incl
 
 while read -r header; do
   if [[ -z ${position[$header]:-} ]]; then complain "$header: not in $order; add it behind the headers it includes"; fi
-done < <(find "${rooms[@]}" -name '*.h' | sort)
+done < <(find "${rooms[@]}" -name '*.h' ! -path '*/tests/*' | sort)
 
 # only WHERE WHAT PATTERN: headers that match the pattern are included in no other room
 only() {
   while read -r file; do
     complain "$file: $2 belongs into $1"
-  done < <(grep -rlE "include *<($3)" "${rooms[@]}" tests docs --include='*.h' --include='*.cpp' | grep -vE "^($1|tests)/" || true)
+  done < <(grep -rlE "include *<($3)" "${rooms[@]}" tests docs --include='*.h' --include='*.cpp' | grep -vE "^($1|tests|extensions/[^/]+/tests)/" || true)
 }
 only octree/simd 'raw intrinsics' '(imm|xmm|emm|tmm|smm|avx)[a-z0-9]*intrin\.h>'
 only geo 'GDAL' '(gdal|ogr|cpl|gdalwarper)[a-z_]*\.h>'

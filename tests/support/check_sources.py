@@ -9,6 +9,11 @@ import sys
 
 ROOMS = ("base cloud octree mesh geo image camera renderer visibility compare database simulation jobs tools python").split()
 
+# Each extension is a room of its own.
+ROOMS += sorted(str(folder) for folder in pathlib.Path("extensions").iterdir() if folder.is_dir())
+# Sources of extensions whose functions the build calls: cmake/extensions.cpp.in.
+CALLED_BY_BUILD = ("command.cpp", "hooks.cpp", "python.cpp")
+
 # Sources without a header of their own name, with the header that names them and the reason.
 WITHOUT_HEADER = {
     "camera/formats/colmap.cpp": "camera/formats/camera_file.h names all readers of camera files, one source for each format",
@@ -29,7 +34,7 @@ WITHOUT_HEADER = {
     "octree/simd/ray_search.cpp": "search<Ray> of octree/simd/search.h",
     "python/module.cpp": "the function that Python calls",
     "python/python_images.cpp": "bindings, added by a function of python/python_cloud.h",
-    "python/python_jobs.cpp": "bindings, added by a function of python/python_cloud.h",
+    "python/python_jobs.cpp": "python/python_cloud.h declares give()",
     "python/python_queries.cpp": "bindings, added by a function of python/python_cloud.h",
     "tools/main.cpp": "the program",
     "tools/cloud/clouds.cpp": "tools/command.h: the commands that make files of clouds",
@@ -79,6 +84,8 @@ def main():
     for room in ROOMS:
         headers = {header: declared(header) for header in sorted(pathlib.Path(room).rglob("*.h"))}
         for source in sorted(pathlib.Path(room).rglob("*.cpp")):
+            if room.startswith("extensions/") and (source.parent.name == "tests" or source.name in CALLED_BY_BUILD):
+                continue
             own = [source.with_suffix(".h"), source.with_name(source.stem + "-inl.h")]
             own += map(pathlib.Path, re.findall(r"[\w/]+\.h\b", WITHOUT_HEADER.get(str(source), "")))
             named = {pathlib.Path(header): function for header, (function, name) in NAMED_BY_FUNCTION.items()

@@ -16,10 +16,10 @@ WORDS = {
     "mesh": "from triangles to hit", "geo": "where on Earth", "image": "pixels", "camera": "from pixel to ray", "simulation": "a known world",
     "renderer": "from scene to image", "visibility": "from observers to maps", "compare": "two images, a verdict",
     "database": "from SQL to rows", "jobs": "from request to result", "tools": "the program alidade",
-    "python": "the module alidade",
+    "python": "the module alidade", "extensions": "what the core can do without",
 }
 # From left to right where rooms stand side by side.
-COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "mesh", "image", "geo", "camera", "simulation", "cloud", "base", "jobs", "tools", "python"]
+COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "mesh", "image", "geo", "camera", "simulation", "cloud", "base", "jobs", "tools", "python", "extensions"]
 WIDTH, HEIGHT, GAP, RISE = 176, 56, 20, 64
 
 
@@ -31,7 +31,7 @@ def rooms():
 def included_rooms(room, names):
     found = set()
     for path in (ROOT / room).rglob("*"):
-        if path.suffix in (".h", ".cpp"):
+        if path.suffix in (".h", ".cpp") and path.parent.name != "tests":
             for match in re.finditer(r'^ *# *include "([^"/]+)/', path.read_text(), re.M):
                 if match[1] in names and match[1] != room:
                     found.add(match[1])

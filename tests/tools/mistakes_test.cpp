@@ -255,7 +255,7 @@ const std::vector<Mistake> k_mistakes = {
     {{"merge", "a", "b", "-o", "c.png"}, {"a: cannot open the file: No such file or directory"}},
     {{"help", "rendr"}, {"unknown command 'rendr'; did you mean 'render'?"}},
     {{"help", "viewshed"}, {"unknown command 'viewshed'; did you mean 'visibility viewshed'?"}},
-    {{"photos", "c.las"}, {"unknown command 'photos'; did you mean 'visibility photos'?"}},
+    {{"horizon", "c.las"}, {"unknown command 'horizon'; did you mean 'visibility horizon'?"}},
     {{"manual"}, {"missing FOLDER", "expected alidade manual [OPTIONS] FOLDER"}},
 };
 

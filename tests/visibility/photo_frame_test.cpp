@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/photos/photo_frame.h"
+#include "visibility/photo_frame.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "camera/camera.h"
+#include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {
 namespace {
@@ -100,6 +106,53 @@ TEST(PhotoFrame, a_panorama_has_no_seam) {
   const double pixel = 2.0 * std::numbers::pi / 3600.0;
   for (const glm::dvec3& world : {glm::dvec3(0, 10, 0), glm::dvec3(0, -10, 0), glm::dvec3(10, 0, 0)})
     EXPECT_NEAR(frame.ground_sampling_distance(world, {}), 10.0 * pixel, 1e-6);
+}
+
+TEST(PhotoFrame, a_cloud_that_is_in_no_frame_is_an_error_that_guesses_why) {
+  const auto photo_at = [](const glm::dvec3& eye, const glm::dvec3& target) {
+    return std::vector<camera::NamedCamera>{
+        {"a", camera::pinhole_from_fov(120, 90, 70.0, camera::look_at(eye, target))}};
+  };
+  const auto problem_in = [](const Octree& octree, const std::vector<camera::NamedCamera>& photos,
+                             double reach = 1e9) -> std::string {
+    try {
+      check_photos(octree, photos, reach);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  // Ground of 20 by 20 with a wall right across it at x = 10, 3 high.
+  const Occluders yard = WallCloud()
+                             .add({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.25)
+                             .add({10, 0, 0.25}, {0, 20, 0}, {0, 0, 2.75}, 0.25)
+                             .occluders();
+  const auto problem_with = [&](const glm::dvec3& eye, const glm::dvec3& target, double reach = 1e9) {
+    return problem_in(yard.octree(), photo_at(eye, target), reach);
+  };
+  const auto expect = [](const std::string& problem, const std::string& part) {
+    EXPECT_NE(problem.find(part), std::string::npos) << problem;
+  };
+  expect(problem_with({-2, 10, 1.5}, {-10, 10, 1}), "they look away from it; are their axes those of OpenGL");
+  expect(problem_with({690000, 5325000, 600}, {690000, 5325010, 600}), "theirs is another one");
+  expect(problem_with({2, 10, 1.5}, {10, 10, 1}, 0.5), "a larger --max-distance");
+  expect(problem_with({-2, 10, 1.5}, {-10, 10, 1}), "cameras at x -2, y 10, z 1.5; a cloud at x 0 to 20");
+  expect(problem_with({-10, 50, 1.5}, {-10, 50.5, 100}), "in its reference system and scale");
+  EXPECT_EQ(problem_with({2, 10, 1.5}, {10, 10, 1}), "no error");
+
+  const Octree far = build(make_cloud({{690000, 5325000, 600}, {690020, 5325020, 603}},
+                                      {glm::dvec3(1e-3), glm::dvec3(690000, 5325000, 600)}));
+  const auto problem_far = [&](const glm::dvec3& eye) {
+    return problem_in(far, photo_at(eye, eye + glm::dvec3(1, 0, 0)));
+  };
+  expect(problem_far({5325000, 690010, 650}), "x and y of their positions are exchanged");
+  // At (-300, 0, 2), towards the yard, but written as the inverse pose.
+  std::vector<camera::NamedCamera> inverses = photo_at({-300, 10, 2}, {10, 10, 1});
+  inverses[0].camera.pose = {
+      .position = {10, 2, 300}, .right = {0, 0, 1}, .down = {-1, 0, 0}, .forward = {0, -1, 0}};
+  expect(problem_in(yard.octree(), inverses), "are these from world to camera");
+  EXPECT_NE(problem_in(far, {}).find("there is no photo"), std::string::npos);
+  expect(problem_far({11.5, 48.1, 650}), "their positions are degrees, or local coordinates");
 }
 
 }  // namespace

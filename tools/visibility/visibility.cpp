@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The commands of `alidade visibility`. Each runs a job.
-#include <algorithm>
-
 #include "jobs/visibility/horizon.h"
 #include "jobs/visibility/lines.h"
-#include "jobs/visibility/photos.h"
 #include "jobs/visibility/place.h"
 #include "jobs/visibility/points.h"
 #include "jobs/visibility/raster.h"
@@ -19,26 +16,6 @@ namespace {
 /// ExitCode::no if no candidate sees a target.
 ExitCode place_code(const jobs::PlacePlan&, const jobs::PlaceResult& result) {
   return result.placement.positions.empty() ? ExitCode::no : ExitCode::done;
-}
-
-/// ExitCode::no if no photo sees a point.
-ExitCode photos_code(const jobs::PhotosPlan&, const jobs::PhotosResult& result) {
-  const auto sees = [](const visibility::PhotoSummary& photo) { return photo.points > 0; };
-  return std::ranges::any_of(result.seen.photos, sees) ? ExitCode::done : ExitCode::no;
-}
-
-/// photos has no other answer than its files.
-Command photos_command(const Options& options) {
-  const auto command = std::make_shared<JobCommand<jobs::PhotosRequest>>();
-  jobs::add_photos_fields(options, command->request);
-  add_job_options(options, *command);
-  Command job = job_command(options, command, photos_code);
-  job.run = [command, run = std::move(job.run)](const CommandLine& words) {
-    if (command->request.output.empty() && command->request.footprints.empty())
-      throw input_error("missing output", "-o FILE for points, --footprints FILE.gpkg, or both");
-    return run(words);
-  };
-  return job;
 }
 
 /// The rows of a horizon without an output.
@@ -73,9 +50,7 @@ Command add_visibility(const Options& program) {
        job_command(named("place", "Choose the few observer positions that see most"), jobs::add_place_fields,
                    place_code),
        job_command(named("summary", "Summarize what each observer sees in one row"),
-                   jobs::add_summary_fields),
-       photos_command(named(
-           "photos", "Compute which photos see which points, their footprints, and colours of points"))}};
+                   jobs::add_summary_fields)}};
 }
 
 }  // namespace alidade::tools

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/photos/point_colors.h"
+#include "extensions/photos/point_colors.h"
 
 #include <gtest/gtest.h>
 

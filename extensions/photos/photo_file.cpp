@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/photos/photo_file.h"
+#include "extensions/photos/photo_file.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/photos/footprint.h"
+#include "extensions/photos/footprint.h"
 
 #include <gtest/gtest.h>
 

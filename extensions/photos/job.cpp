@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "jobs/visibility/photos.h"
+#include "extensions/photos/job.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "camera/camera_json.h"
 #include "camera/formats/e57.h"
+#include "extensions/photos/photo_file.h"
 #include "geo/gdal_library.h"
 #include "geo/geopackage.h"
 #include "image/read_image.h"
@@ -21,7 +22,7 @@
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/run_fingerprint.h"
 #include "jobs/write_points.h"
-#include "visibility/photos/photo_file.h"
+#include "visibility/photo_frame.h"
 
 namespace alidade::jobs {
 namespace {

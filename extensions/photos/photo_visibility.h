@@ -32,12 +32,6 @@ namespace alidade::visibility {
 std::vector<Observer> photo_observers(std::span<const camera::NamedCamera> photos,
                                       double max_distance = std::numeric_limits<double>::infinity());
 
-/// Checks photos before a run. Errors: no photo; an orthographic camera, which has no position; no photo with
-/// any point of the cloud in its frame and reach, with a guess at the reason: exchanged coordinates, degrees,
-/// another reference system, or other axes of the cameras. Cost: photos are tested until one has a point.
-void check_photos(const Octree& octree, std::span<const camera::NamedCamera> photos,
-                  double max_distance = std::numeric_limits<double>::infinity());
-
 struct PhotoVisibilityOptions {
   double max_distance = std::numeric_limits<double>::infinity();  ///< no photo sees farther
   /// Returns the pixels of the photo of that index, of the size of its camera, for PhotoVisibility::colors;

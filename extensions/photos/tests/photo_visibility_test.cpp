@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/photos/photo_visibility.h"
+#include "extensions/photos/photo_visibility.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "octree/tree_walk.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/photos/photo_frame.h"
+#include "visibility/photo_frame.h"
 
 namespace alidade::test {
 namespace {
@@ -279,38 +279,8 @@ TEST(PhotoVisibility, goes_on_from_finished_parts) {
   std::filesystem::remove(file);
 }
 
-TEST(PhotoVisibility, a_cloud_that_is_in_no_frame_is_an_error_that_guesses_why) {
-  const auto problem_with = [](const glm::dvec3& eye, const glm::dvec3& target, double reach = 1e9) {
-    const std::vector<NamedCamera> photos = {photo_at("a", eye, target)};
-    return problem_in([&] { check_photos(yard().octree(), photos, reach); });
-  };
-  const auto expect = [](const std::string& problem, const std::string& part) {
-    EXPECT_NE(problem.find(part), std::string::npos) << problem;
-  };
-  expect(problem_with({-2, 10, 1.5}, {-10, 10, 1}), "they look away from it; are their axes those of OpenGL");
-  expect(problem_with({690000, 5325000, 600}, {690000, 5325010, 600}), "theirs is another one");
-  expect(problem_with({2, 10, 1.5}, {10, 10, 1}, 0.5), "a larger --max-distance");
-  expect(problem_with({-2, 10, 1.5}, {-10, 10, 1}), "cameras at x -2, y 10, z 1.5; a cloud at x 0 to 20");
-  expect(problem_with({-10, 50, 1.5}, {-10, 50.5, 100}), "in its reference system and scale");
-  EXPECT_EQ(problem_with({2, 10, 1.5}, {10, 10, 1}), "no error");
-
-  const Octree far = build(make_cloud({{690000, 5325000, 600}, {690020, 5325020, 603}},
-                                      {glm::dvec3(1e-3), glm::dvec3(690000, 5325000, 600)}));
-  const auto problem_far = [&](const glm::dvec3& eye) {
-    const std::vector<NamedCamera> photos = {photo_at("a", eye, eye + glm::dvec3(1, 0, 0))};
-    return problem_in([&] { check_photos(far, photos); });
-  };
-  expect(problem_far({5325000, 690010, 650}), "x and y of their positions are exchanged");
-  // At (-300, 0, 2), towards the yard, but written as the inverse pose.
-  camera::Camera inverse = photo_at("a", {-300, 10, 2}, {10, 10, 1}).camera;
-  inverse.pose = {.position = {10, 2, 300}, .right = {0, 0, 1}, .down = {-1, 0, 0}, .forward = {0, -1, 0}};
-  const std::vector<NamedCamera> inverses = {{"a", inverse}};
-  expect(problem_in([&] { check_photos(yard().octree(), inverses); }), "are these from world to camera");
-  expect(problem_far({11.5, 48.1, 650}), "their positions are degrees, or local coordinates");
-}
-
 TEST(PhotoVisibility, photos_that_cannot_be_are_errors) {
-  EXPECT_NE(problem_in([] { check_photos(yard().octree(), {}); }).find("there is no photo"),
+  EXPECT_NE(problem_in([] { photo_visibility(yard(), {}, {}); }).find("there is no photo"),
             std::string::npos);
   std::vector<NamedCamera> photos = {k_photos[0]};
   photos[0].camera.lens = camera::OrthographicLens{};

@@ -10,13 +10,13 @@
 
 #include "camera/camera_set.h"
 #include "cloud/crs.h"
+#include "extensions/photos/photo_visibility.h"
 #include "jobs/camera_file.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/long_run.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "jobs/write_points.h"
-#include "visibility/photos/photo_visibility.h"
 
 namespace alidade::jobs {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "cloud/crs.h"
-#include "visibility/photos/photo_visibility.h"
+#include "extensions/photos/photo_visibility.h"
 
 namespace alidade::visibility {
 

@@ -3,12 +3,16 @@
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
+#include <span>
 
+#include "camera/camera_set.h"
 #include "camera/projection.h"
 #include "octree/point_surface.h"
 
-// Which world points are in the frame of a photo, and at which resolution.
+// Which world points are in the frame of a photo, and at which resolution; what is wrong with cameras that
+// show no point of a cloud.
 
 namespace alidade::visibility {
 
@@ -41,5 +45,11 @@ class PhotoFrame {
   /// Cosine of an angle to the axis that no direction in the frame exceeds; below -1: unknown.
   double least_cosine_ = -2.0;
 };
+
+/// Checks that cameras show a cloud. Errors: no photo; an orthographic camera, which has no position; no photo with
+/// any point of the cloud in its frame and reach, with a guess at the reason: exchanged coordinates, degrees,
+/// another reference system, or other axes of the cameras. Cost: photos are tested until one has a point.
+void check_photos(const Octree& octree, std::span<const camera::NamedCamera> photos,
+                  double max_distance = std::numeric_limits<double>::infinity());
 
 }  // namespace alidade::visibility
