@@ -291,9 +291,9 @@ struct FamilyAnswers {
                     std::span<std::size_t> counts);
 };
 
-/// The k first points by the measure, in its order. Cost with k: like `closest`, and grows with k; without:
-/// with the number of points in reach. Of many points with k up to 64 and no filter: a fraction of that where
-/// targets are near each other, whatever their order.
+/// The k first points by the measure, in its order. Cost with k: like `closest` (of many rays with k = 1 the
+/// same), and grows with k; without: with the number of points in reach. Of many points with k up to 64 and
+/// no filter: a fraction of that where targets are near each other, whatever their order.
 template <TargetGeometry T>
 std::vector<AnswerOf<T>> find(const Octree& octree, const T& target,
                               const QueryOf<T>& query = no_conditions<T>()) {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -118,7 +117,7 @@ std::string text_of_value(const py::handle& value, const char* separator = ",") 
 
 /// What is between the parts of a field's value: of "WxH" x, of "I/N" a slash, else a comma.
 const char* separator_of(const std::string& kind) {
-  if (kind.find("xH") != std::string::npos) return "x";
+  if (kind == "WxH") return "x";
   return kind == "I/N" ? "/" : ",";
 }
 
@@ -157,11 +156,6 @@ std::vector<std::string> texts_of(const jobs::FieldEntry& field, const py::handl
   const bool is_no_class = jobs::own_name(field) == "ignore_classes" && is_list(value) && py::len(value) == 0;
   return {is_no_class ? "none" : text_of_value(value, separator_of(field.kind))};
 }
-
-/// Fields of images that cannot change them, beside those of all jobs: as in tools/command.cpp.
-constexpr std::array<std::string_view, 11> k_silent_fields = {
-    "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
-    "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
 
 /// Takes targets that are arrays out of the values: they are read without making texts of them. The request
 /// refers to what is returned.
@@ -277,7 +271,8 @@ py::object run_job(const Job& job, const Call& call) {
     if (job.output == Output::extra) table->waive("output");
     run->take_arrays(call.values);
     for (const auto& [field, value] : call.values) give(*table, py::str(field), value);
-    if (std::string* const command = run->command()) *command = jobs::command_text(*table, k_silent_fields);
+    if (std::string* const command = run->command())
+      *command = jobs::command_text(*table, jobs::k_silent_image_options);
     run_watched(call.workers, call.progress, [&](const Progress& watch) {
       table->read();
       PythonListener listener(watch, notes, warnings);

@@ -42,7 +42,7 @@ struct GenerateOptions {
   std::uint64_t point_count = 2'000'000;
   std::uint64_t seed = 1;
   bool overwrite = false;  ///< otherwise an existing file is an Error
-  Progress progress;       ///< in points
+  Progress progress{};     ///< in points
 };
 
 /// The stations and flight lines of the sample scan of courtyard().

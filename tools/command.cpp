@@ -21,14 +21,10 @@
 #include "geo/crs_library.h"
 #include "geo/gdal_library.h"
 #include "image/image_file.h"
+#include "jobs/render/render.h"
 
 namespace alidade::tools {
 namespace {
-
-/// Options of images that cannot change the image itself, beside k_silent_options.
-constexpr std::array<std::string_view, 11> k_image_options = {
-    "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
-    "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
 
 template <class Names>
 bool names_one_of(std::string_view word, const Names& names) {
@@ -43,7 +39,8 @@ bool is_silent_flag(std::string_view word) {
 
 /// Options that cannot change the image, with the value in the next word.
 bool is_silent_option(std::string_view word) {
-  return word == "-o" || names_one_of(word, k_silent_options) || names_one_of(word, k_image_options);
+  return word == "-o" || names_one_of(word, k_silent_options) ||
+         names_one_of(word, jobs::k_silent_image_options);
 }
 
 /// Options that cannot change the image, with the value in the word itself.

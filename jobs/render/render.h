@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cloud/crs.h"
@@ -13,6 +15,11 @@
 #include "renderer/render.h"
 
 namespace alidade::jobs {
+
+/// Fields with a value, beside those of all jobs (jobs/long_run.h), that cannot change an image.
+inline constexpr std::array<std::string_view, 11> k_silent_image_options = {
+    "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
+    "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
 
 /// An image as it was rendered.
 struct RenderedImage {

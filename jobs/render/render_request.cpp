@@ -476,9 +476,8 @@ void add_colors(const Fields& fields, RenderRequest& request) {
       fields.value("--legend", "FILE.png",
                    "also write a legend: a colour bar, or the classes with their numbers of points",
                    request.legend, parse_legend);
-  fields.needs(legend).value("--legend-size", "WIDTHxHEIGHT",
-                             "size of the legend in pixels (default: fits its text)", request.legend_size,
-                             parse_legend_size);
+  fields.needs(legend).value("--legend-size", "WxH", "size of the legend in pixels (default: fits its text)",
+                             request.legend_size, parse_legend_size);
 }
 
 renderer::ImagePart parse_part(const std::string& text) {

@@ -60,7 +60,7 @@ def type_of(kind, form):
         return "_File | ArrayLike"
     elif any(word in kind for word in ("FILE", "FOLDER", "CLOUD", "PART")) or kind in ("BEFORE", "AFTER", "REFERENCE", "TEST"):
         one = "_File"
-    elif "xH" in kind or kind == "I/N":
+    elif kind in ("WxH", "I/N"):
         one = "str | Sequence[int]"
     elif "," in kind:
         return "str | ArrayLike"
