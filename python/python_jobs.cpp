@@ -87,10 +87,18 @@ py::object number_by(const char* method, const py::handle& value) {
   }
 }
 
+/// Whether NumPy has the value as one of the kinds, "c" for complex numbers and so on.
+bool is_of_kind(const py::handle& value, std::string_view kinds) {
+  const py::object kind = py::getattr(py::getattr(value, "dtype", py::none()), "kind", py::none());
+  return py::isinstance<py::str>(kind) && kinds.find(kind.cast<std::string>()) != kinds.npos;
+}
+
 /// A number, text or date as a field reads it. Errors: TypeError, if it is something else.
 std::string word_of(const py::handle& value) {
   if (py::hasattr(value, "__fspath__")) return bytes_of(value.attr("__fspath__")());
   if (is_text(value)) return bytes_of(value);
+  // NumPy would drop the imaginary part, or the unit of a time.
+  if (is_of_kind(value, "cm")) throw wrong_type("a number, a text, or a sequence of them", value);
   // The shortest text that is this number again; NumPy's own names its type.
   if (const py::object whole = number_by("__index__", value); !whole.is_none()) return py::str(whole);
   if (const py::object number = number_by("__float__", value); !number.is_none()) return py::repr(number);
@@ -158,7 +166,7 @@ std::vector<std::string> texts_of(const jobs::FieldEntry& field, const py::handl
 }
 
 /// Takes targets that are arrays out of the values: they are read without making texts of them. The request
-/// refers to what is returned.
+/// refers to what is returned. Lists of texts, and empty lists, stay in the values.
 std::vector<Doubles> take_targets(const py::dict& values, jobs::QueryRequest& request) {
   std::vector<Doubles> taken;
   for (std::size_t i = 0; i < jobs::k_target_families; ++i) {
@@ -167,8 +175,10 @@ std::vector<Doubles> take_targets(const py::dict& values, jobs::QueryRequest& re
     for (const char* const option : {kind.texts_option, kind.value_option}) {
       const std::string name = option + std::string_view("--").size();
       const py::object value = values.attr("get")(name);
-      if (!is_list(value) || py::len(value) == 0 || is_text(value[py::int_(0)])) continue;
-      const Doubles given = real_numbers(value, name.c_str());
+      if (!is_list(value)) continue;
+      const py::array array = py::array::ensure(value);
+      if (array && array.ndim() == 1 && (array.size() == 0 || is_text(array[py::int_(0)]))) continue;
+      const Doubles given = real_numbers(array ? array : value, name.c_str());
       const auto width = static_cast<py::ssize_t>(kind.columns.size()), found = given.shape(given.ndim() - 1);
       if (found < static_cast<py::ssize_t>(kind.required_count()) || found > width)
         throw input_error(fmt::format("{} has the wrong shape", name), fmt::format("rows of {}", kind.form()),
@@ -177,9 +187,9 @@ std::vector<Doubles> take_targets(const py::dict& values, jobs::QueryRequest& re
       std::fill_n(rows.mutable_data(), rows.size(), std::numeric_limits<double>::quiet_NaN());
       for (py::ssize_t row = 0; row < rows.shape(0); ++row)
         std::copy_n(given.data() + row * found, found, rows.mutable_data(row, 0));
-      check_that(request.given(family).rows.empty(), "targets given twice",
+      check_that(!request.given(family).rows, "targets given twice",
                  fmt::format("{} or {}", kind.texts_option, kind.value_option));
-      request.given(family).rows = {rows.data(), static_cast<std::size_t>(rows.size())};
+      request.given(family).rows = std::span(rows.data(), static_cast<std::size_t>(rows.size()));
       values.attr("pop")(name);
     }
   }

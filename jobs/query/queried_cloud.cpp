@@ -109,9 +109,7 @@ database::PointFilter filter_of(const Target& target, double radius, const Bound
 /// Whether targets can be read twice, and the distance of their answers is limited.
 template <class Target>
 bool can_be_surveyed(const QueryRequest& request, const GivenTargets& given) {
-  std::error_code error;
-  return (QueryFamily<Target>::limits_itself || request.radius) &&
-         (given.text.empty() || std::filesystem::is_regular_file(given.text, error));
+  return (QueryFamily<Target>::limits_itself || request.radius) && given.can_be_reread();
 }
 
 /// What a first pass through the targets finds.
@@ -131,7 +129,8 @@ std::optional<Survey> survey(const QueryPlan& plan, const Bounds& within, bool w
                               [&listener] { return listener.stops(); });
   TargetBatch<Target> batch;
   Survey found;
-  for (std::uint64_t count = 0; reader.next(k_batch, batch); count += batch.targets.size()) {
+  for (std::uint64_t count = 0; reader.next(k_batch, batch);) {
+    count += batch.targets.size();
     if (count > k_most_surveyed) return std::nullopt;
     for (const Target& target : batch.targets) {
       if (with_filters && found.filters.size() <= k_most_filters)

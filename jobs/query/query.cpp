@@ -108,7 +108,7 @@ TargetFamily chosen_family(const QueryRequest& request) {
     const TargetKind& kind = target_kind(static_cast<TargetFamily>(i));
     all += (all.empty() ? "" : ", ") + std::string(kind.texts_option);
     if (given.empty()) continue;
-    if (int{!given.text.empty()} + int{!given.values.empty()} + int{!given.rows.empty()} > 1) {
+    if (int{!given.text.empty()} + int{!given.values.empty()} + int{given.rows.has_value()} > 1) {
       throw input_error(fmt::format("{} and {} exclude each other", kind.texts_option, kind.value_option),
                         "one of them");
     }
@@ -208,13 +208,12 @@ QueryOf<Target> conditions(const QueryRequest& request) {
   return query;
 }
 
-/// Reports mistakes in the first targets before the cloud is loaded, unless they come through a pipe.
+/// Reports mistakes in the first targets before the cloud is loaded, if they can be read again.
 template <class Target>
 void check_first_targets(const QueryRequest& request, TargetFamily family) {
   constexpr std::size_t k_few = 1000;
-  std::error_code error;
   const GivenTargets& given = request.given(family);
-  if (!given.text.empty() && !std::filesystem::is_regular_file(given.text, error)) return;
+  if (!given.can_be_reread()) return;
   TargetReader<Target> reader(given, family, {request.t_min, request.t_max});
   TargetBatch<Target> batch;
   reader.next(k_few, batch);
@@ -486,9 +485,6 @@ class QueryRun {
   }
 
   void run_loaded() {
-    if (request_.memory)
-      throw input_error("--memory requires a COPC query without --load",
-                        "a single COPC file, or a catalog of such");
     const QueriedCloud queried = load_queried<Target>(plan_, listener_);
     const IndexedCloud& cloud = queried.indexed;
     result_.crs = cloud.cloud.crs;
@@ -552,7 +548,11 @@ QueryPlan plan(const QueryRequest& given) {
     check_outputs(work, request.overwrite);
     check_first_targets<Target>(request, family);
   });
-  return {std::move(request), std::move(work), family, form};
+  QueryPlan checked(std::move(request), std::move(work), family, form);
+  if (checked.request().memory && !queries_in_place(checked))
+    throw input_error("--memory requires a COPC query without --load",
+                      "a single COPC file, or a catalog of such");
+  return checked;
 }
 
 QueryResult run(const QueryPlan& plan, Listener& listener) {

@@ -61,9 +61,9 @@ class QueryPlan : public Plan<QueryRequest> {
   AnswerForm form_;
 };
 
-/// Checks all that can be checked before a point is read, and the first targets unless they come through a
-/// pipe. Errors: no targets, or of several families; fields that exclude each other or do not apply; an
-/// output of an unknown format, or that cannot be replaced or written; those of TargetReader.
+/// Checks all that can be checked before a point is read, and the first targets if they can be read again.
+/// Errors: no targets, or of several families; fields that exclude each other or do not apply; an output of
+/// an unknown format, or that cannot be replaced or written; those of TargetReader.
 QueryPlan plan(const QueryRequest& request);
 
 /// A count of the work of a query.

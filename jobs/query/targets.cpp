@@ -8,7 +8,9 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <system_error>
 #include <utility>
 
 #include "base/error.h"
@@ -222,11 +224,16 @@ class RowFiller {
 
 }  // namespace
 
+bool GivenTargets::can_be_reread() const {
+  std::error_code error;
+  return text != "-" && !std::filesystem::is_other(text, error);
+}
+
 /// Reads rows one after another, from blocks that are parsed in parallel.
 class RowReader {
  public:
   RowReader(const GivenTargets& given, const TargetKind& kind, const std::function<bool()>& stops)
-      : kind_(kind), stops_(stops), array_(given.rows) {
+      : kind_(kind), stops_(stops), array_(given.rows.value_or(std::span<const double>())) {
     if (!given.text.empty()) {
       open(given.text);
     } else if (!given.values.empty()) {

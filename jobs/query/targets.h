@@ -23,10 +23,13 @@ namespace alidade::jobs {
 struct GivenTargets {
   std::string text{};                 ///< a file of CSV or JSON lines; "-" is standard input
   std::vector<std::string> values{};  ///< the columns of the kind, one row each
-  /// A value for every column of the kind, row after row; NaN where an optional one is not given.
-  std::span<const double> rows{};
+  /// A value for every column of the kind, row after row, maybe of no row; NaN where an optional one is not
+  /// given.
+  std::optional<std::span<const double>> rows{};
 
-  bool empty() const { return text.empty() && values.empty() && rows.empty(); }
+  bool empty() const { return text.empty() && values.empty() && !rows; }
+  /// Whether they can be read twice: they come neither through standard input nor through a pipe.
+  bool can_be_reread() const;
 };
 
 /// Some targets and their ids in answers.

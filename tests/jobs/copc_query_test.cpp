@@ -68,6 +68,7 @@ TEST_F(CopcQueryTest, memory_without_a_copc_file_in_position_is_an_error) {
     all.insert(all.end(), words.begin(), words.end());
     const std::string error = rejected("site.copc.laz", all);
     EXPECT_TRUE(contains(error, "--memory requires a COPC query without --load")) << error;
+    EXPECT_THROW((void)jobs::plan(request("site.copc.laz", all)), Error);
   }
 }
 

@@ -284,6 +284,9 @@ TEST_F(QueryTest, numbers_in_and_rows_out_are_the_answers_of_texts) {
   }
   asked.given(jobs::TargetFamily::rays).rows = std::span(rays).first(23);
   EXPECT_THROW((void)jobs::plan(asked), Error);
+
+  asked.given(jobs::TargetFamily::rays).rows = std::span(rays).first(0);
+  EXPECT_TRUE(run(jobs::plan(asked), heard).rows.empty());
 }
 
 TEST_F(QueryTest, empty_cloud_gives_no_answers) {

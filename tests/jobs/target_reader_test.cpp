@@ -2,6 +2,7 @@
 #include "jobs/query/targets.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -80,6 +81,24 @@ TEST_F(TargetReaderTest, numbers_are_read_like_texts_and_their_share_is_known) {
     EXPECT_NEAR(reader.share(), 0.2 * (part + 1), 1e-12);
   }
   EXPECT_FALSE(reader.next(1, batch));
+}
+
+TEST_F(TargetReaderTest, pipes_and_standard_input_are_read_once) {
+  EXPECT_TRUE(rows("x,y,z\n", "1,2,3\n", 1).can_be_reread());
+  EXPECT_TRUE((jobs::GivenTargets{.values = {"1,2,3"}}).can_be_reread());
+  std::filesystem::remove(file_);
+  EXPECT_TRUE((jobs::GivenTargets{.text = file_.string()}).can_be_reread());  // an error as often as it is read
+  ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
+  EXPECT_FALSE((jobs::GivenTargets{.text = file_.string()}).can_be_reread());
+  // Even beside a file of this name.
+  const std::filesystem::path before = std::filesystem::current_path();
+  const std::filesystem::path folder = file_.string() + ".folder";
+  std::filesystem::create_directories(folder);
+  std::filesystem::current_path(folder);
+  std::ofstream("-") << "x,y,z\n1,2,3\n";
+  EXPECT_FALSE((jobs::GivenTargets{.text = "-"}).can_be_reread());
+  std::filesystem::current_path(before);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

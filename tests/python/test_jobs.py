@@ -128,6 +128,11 @@ def test_columns_keep_every_value(yard):
 @pytest.mark.parametrize("fields, error, message", [
     (dict(max_distance=True), TypeError, "max_distance: expected LENGTH, found bool"),
     (dict(max_distance={}), TypeError, "max_distance: expected a number, a text, or a sequence of them, found dict"),
+    (dict(max_distance=np.complex128(5 + 2j)), TypeError, "max_distance: expected a number, a text, or a sequence of them, found complex128"),
+    (dict(max_distance=np.array(5j)), TypeError, "found ndarray"),
+    (dict(max_distance=5j), TypeError, "found complex"),
+    (dict(max_distance=np.timedelta64(5, "s")), TypeError, "found timedelta64"),
+    (dict(observer=np.array([1, 2, 3j])), TypeError, "observer: expected a number, a text, or a sequence of them, found complex128"),
     (dict(observer=np.zeros((1, 1, 3))), TypeError, "observer: expected a number, a text, or a sequence of them, found ndarray"),
     (dict(observer=(1, None, 3)), TypeError, "found NoneType"),
     (dict(observer=(one for one in (1, 2, 3))), TypeError, "found generator"),

@@ -68,10 +68,43 @@ def test_all_kinds_of_targets_are_arrays(yard, index):
     assert points.columns["rank"].tolist() == [0, 1, 2, 0, 1, 2] and points.facts["points"] == 2
 
 
+def test_arrays_of_any_layout_and_type_are_targets(yard, looks):
+    def found(rays):
+        return alidade.jobs.query(yard, rays=rays, radius=0.2).columns
+    expected = found(looks)
+    assert len(expected["t"]) > 10
+    spread, frozen = np.zeros((2 * len(looks), 18)), looks.copy()
+    spread[::2, ::3] = looks
+    frozen.flags.writeable = False
+    for rays in (spread[::2, ::3], frozen, np.asfortranarray(looks), looks[::-1][::-1], looks.astype(">f8"), looks.astype(np.longdouble),
+                 looks.tolist(), list(looks)):
+        answers = found(rays)
+        assert all(np.array_equal(answers[name], expected[name]) for name in expected)
+    pandas = pytest.importorskip("pandas")
+    assert np.array_equal(found(pandas.DataFrame(looks, columns=["ox", "oy", "oz", "dx", "dy", "dz"]))["t"], expected["t"])
+
+
+def test_no_targets_have_no_answers(yard, tmp_path):
+    nothing = np.empty((0, 6))
+    none = alidade.jobs.query(yard, rays=nothing, radius=0.2, explain=True)
+    assert list(none.columns)[:3] == ["ray_id", "rank", "point_id"] and none.facts["rays"] == 0
+    assert all(len(values) == 0 for values in none.columns.values())
+    assert alidade.jobs.query(yard, lines=nothing, count=True).columns["count"].dtype == np.int64
+    assert len(alidade.jobs.query(yard, path=np.empty((0, 3))).columns["path_id"]) == 0
+    alidade.jobs.query(yard, rays=nothing, output=tmp_path / "none.csv")
+    assert (tmp_path / "none.csv").read_text() == "ray_id,rank,point_id,x,y,z,t,distance,entry\n"
+
+
 def test_wrong_targets_are_errors(yard, looks):
     for fields, text in [(dict(), "missing targets"), (dict(rays=looks[:, :5]), "rays has the wrong shape; expected rows of ox,oy,oz"),
                          (dict(ray=looks, rays="rays.csv"), "exclude each other"), (dict(ray=looks, rays=looks), "targets given twice"),
                          (dict(rays=looks, boxes=[[0, 0, 0, 1, 1, 1]]), "different kinds of targets"),
-                         (dict(ray=looks * [1, 1, 1, 0, 0, 0]), "row 0"), (dict(rays=[["a"] * 6]), "rays"), (dict(rays="missing.csv"), "missing.csv")]:
+                         (dict(ray=looks * [1, 1, 1, 0, 0, 0]), "row 0"), (dict(rays=[["a"] * 6]), "rays is not an array of real numbers"), (dict(rays="missing.csv"), "missing.csv"),
+                         (dict(rays=looks + 0j), "rays is not an array of real numbers; .*found dtype complex128"),
+                         (dict(rays=looks > 0), "rays is not an array of real numbers"), (dict(rays=[(0, 0, 0, 1, 0, 0), (1,)]), "rays is not an array"),
+                         (dict(rays={1.0, 2.0}), "rays is not an array of real numbers"), (dict(rays=np.empty((0, 5))), "rays has the wrong shape"),
+                         (dict(ray=[]), "missing targets"), (dict(rays=looks + np.inf), "row 0: ox out of range"),
+                         (dict(points=np.zeros((2, 3)) + [[0], [np.nan]]), "points: row 1: missing value of x"),
+                         (dict(ray=["0,0,0,1,0,0", "0,0,0"]), "not a ray")]:
         with pytest.raises(alidade.Error, match=text):
             alidade.jobs.query(yard, **fields)
