@@ -2,11 +2,14 @@
 #include "jobs/plan.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <cstdint>
 #include <optional>
 #include <system_error>
 
+#include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/input_file.h"
 #include "base/shown_text.h"
 #include "cloud/cloud_reader.h"
 #include "jobs/outputs.h"
@@ -28,6 +31,14 @@ std::string size_of(const std::filesystem::path& file) {
 std::string line(const char* what, const std::filesystem::path& file, const std::string& more) {
   return fmt::format("{:<7} {}{}{}\n", what, line_text(public_name(file.string())), more.empty() ? "" : "  ",
                      more);
+}
+
+/// Errors: the file is missing or may not be read. Patterns, and names of servers and of GDAL's data sets,
+/// are left to those who open them.
+void check_readable(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  if (is_remote_name(name) || name.find_first_of("*?[:") != std::string::npos) return;
+  if (::access(name.c_str(), R_OK) != 0) throw system_error(name, "cannot open the file");
 }
 
 }  // namespace
@@ -52,8 +63,15 @@ std::string text_of(const PlannedWork& work) {
     points += count.value_or(0);
     are_all_known = are_all_known && count;
   }
-  for (const std::filesystem::path& file : work.reads)
-    if (!file.empty()) text += line("reads", file, size_of(file));
+  for (const std::filesystem::path& file : work.reads) {
+    if (file.empty()) continue;
+    if (file == "-") {
+      text += line("reads", "standard input", "");
+      continue;
+    }
+    check_readable(file);
+    text += line("reads", file, size_of(file));
+  }
   for (const std::filesystem::path& file : work.writes) {
     std::error_code error;
     if (!file.empty())
@@ -65,7 +83,7 @@ std::string text_of(const PlannedWork& work) {
                         bytes_text(work.bytes_beside + work.bytes_per_point * static_cast<double>(points)),
                         free ? fmt::format("; {} are free", bytes_text(static_cast<double>(*free))) : "");
   }
-  return text;
+  return text.empty() ? "reads and writes no files\n" : text;
 }
 
 }  // namespace alidade::jobs

@@ -25,8 +25,8 @@ struct PlannedWork {
 /// check_outputs() (jobs/outputs.h) for files of this work.
 void check_outputs(const PlannedWork& work, bool overwrite);
 
-/// The work in lines for people, such as "reads   site.las   1000000 points, 38 MB". Opens the clouds to
-/// count their points. Errors: those of open_stored_cloud(), damage without `partial` included.
+/// The work in lines for people, such as "reads   site.las   1000000 points, 38 MB". Opens clouds to count
+/// their points. Errors: those of open_stored_cloud(), also damage without `partial`; a file that is missing.
 std::string text_of(const PlannedWork& work);
 
 /// A checked request. Only the plan() of the request makes one: what is made otherwise was not checked.

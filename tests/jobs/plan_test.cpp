@@ -69,6 +69,28 @@ TEST_F(PlanTest, a_missing_cloud_is_an_error_and_a_damaged_one_unless_read_in_pa
   EXPECT_TRUE(text_of(damaged).starts_with("reads   " + name("garden.las")));
 }
 
+TEST_F(PlanTest, other_files_that_are_missing_are_errors) {
+  jobs::PlannedWork one = work("garden.xyz");
+  for (const char* const left_to_others :
+       {"-", "tiles/*.las", "postgresql://host/site", "/vsizip/a.zip/b.tif"}) {
+    one.reads = {left_to_others};
+    EXPECT_NE(text_of(one).find("\nreads   "), std::string::npos) << left_to_others;
+  }
+  one.reads = {folder_ / "none.csv"};
+  try {
+    (void)text_of(one);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with(name("none.csv") + ": cannot open the file"))
+        << error.what();
+  }
+}
+
+TEST_F(PlanTest, work_without_files_is_stated) {
+  EXPECT_EQ(text_of(jobs::PlannedWork{}), "reads and writes no files\n");
+  EXPECT_EQ(text_of(jobs::PlannedWork{.reads = {"-"}}), "reads   standard input\n");
+}
+
 TEST_F(PlanTest, memory_for_a_raster_alone_is_unknown) {
   jobs::VisibilityRequest request;
   const std::filesystem::path raster = folder_ / "dem.asc";
