@@ -37,7 +37,7 @@ Command add_query(const Options& program) {
   add_job_options(query, *command);
   return job_command(query, command, [](const jobs::QueryPlan& plan, const jobs::QueryResult& result) {
     if (plan.request().explain)
-      write_to_stderr(work_table(result.work, jobs::target_kind(plan.family()).name));
+      write_to_stderr(work_table(result.work, jobs::target_kind(plan.request().family).name));
     return ExitCode::done;
   });
 }

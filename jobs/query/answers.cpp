@@ -3,10 +3,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <iterator>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "base/error.h"
@@ -45,33 +49,6 @@ void add_rounded(std::string& text, double value, int decimals) {
   text += digits == "-0" ? "0" : digits;
 }
 
-void add_value(std::string& text, const AnswerColumn& column, const AnswerRow& row, AnswerForm form,
-               const NumberForm& numbers) {
-  if (column.whole != nullptr) return add(text, row.*column.whole);
-  const double value = column.real != nullptr ? row.*column.real : row.position[column.axis];
-  const auto& decimals = numbers.decimals[static_cast<std::size_t>(column.axis)];
-  if (form == AnswerForm::json_lines && !std::isfinite(value)) {
-    text += "null";
-  } else if (column.real == nullptr && decimals) {
-    add_rounded(text, value, *decimals);
-  } else {
-    add(text, value, numbers.digits);
-  }
-}
-
-void add_row(std::string& text, const std::vector<AnswerColumn>& columns, const AnswerRow& row,
-             AnswerForm form, const NumberForm& numbers) {
-  const bool json = form == AnswerForm::json_lines;
-  char separator = json ? '{' : '\0';
-  for (const AnswerColumn& column : columns) {
-    if (separator != '\0') text += separator;
-    separator = ',';
-    if (json) text.append("\"").append(column.name).append("\":");
-    add_value(text, column, row, form, numbers);
-  }
-  text += json ? "}\n" : "\n";
-}
-
 constexpr std::size_t k_rows_per_task = 4096;
 
 ExtraDimension described(const AnswerColumn& column) {
@@ -91,14 +68,18 @@ LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
 
 class AnswerText final : public AnswerOutput {
  public:
-  AnswerText(std::vector<AnswerColumn> columns, AnswerForm form, const NumberForm& numbers,
-             const TextOutput& output)
-      : columns_(std::move(columns)), form_(form), numbers_(numbers), take_(output.take) {
-    if (!output.file.empty()) {
-      file_ = std::make_unique<OutputFile>(output.file, output.overwrite);
+  AnswerText(const CheckedQuery& query, const Lattice& lattice)
+      : columns_(answer_columns(query)),
+        is_json_(query.form == AnswerForm::json_lines),
+        digits_(query.precision),
+        take_(query.write_text) {
+    for (int axis = 0; axis < 3 && !digits_; ++axis)
+      decimals_[static_cast<std::size_t>(axis)] = shown_decimals(lattice, axis);
+    if (!query.output.empty()) {
+      file_ = std::make_unique<OutputFile>(query.output, query.overwrite);
       take_ = [this](std::string_view text) { file_->write(text); };
     }
-    if (form_ == AnswerForm::json_lines) return;
+    if (is_json_) return;
     for (const AnswerColumn& column : columns_) header_ += (header_.empty() ? "" : ",") + column.name;
     header_ += "\n";
   }
@@ -109,7 +90,7 @@ class AnswerText final : public AnswerOutput {
     in_blocks(rows.size(), k_rows_per_text, [&](std::size_t first, std::size_t last) {
       std::string& part = parts[first / k_rows_per_text];
       part.reserve((last - first) * 24 * columns_.size());
-      for (std::size_t i = first; i < last; ++i) add_row(part, columns_, rows[i], form_, numbers_);
+      for (std::size_t i = first; i < last; ++i) add_row(part, rows[i]);
     });
     for (const std::string& part : parts) take_(part);
   }
@@ -122,9 +103,34 @@ class AnswerText final : public AnswerOutput {
  private:
   void put_header() { take_(std::exchange(header_, {})); }
 
+  void add_row(std::string& text, const AnswerRow& row) const {
+    char separator = is_json_ ? '{' : '\0';
+    for (const AnswerColumn& column : columns_) {
+      if (separator != '\0') text += separator;
+      separator = ',';
+      if (is_json_) text.append("\"").append(column.name).append("\":");
+      add_value(text, column, row);
+    }
+    text += is_json_ ? "}\n" : "\n";
+  }
+
+  void add_value(std::string& text, const AnswerColumn& column, const AnswerRow& row) const {
+    if (column.whole != nullptr) return add(text, row.*column.whole);
+    const double value = column.real != nullptr ? row.*column.real : row.position[column.axis];
+    const auto& decimals = decimals_[static_cast<std::size_t>(column.axis)];
+    if (is_json_ && !std::isfinite(value)) {
+      text += "null";
+    } else if (column.real == nullptr && decimals) {
+      add_rounded(text, value, *decimals);
+    } else {
+      add(text, value, digits_);
+    }
+  }
+
   std::vector<AnswerColumn> columns_;
-  AnswerForm form_;
-  NumberForm numbers_;
+  bool is_json_;
+  std::optional<int> digits_;                     ///< empty: as many as give the same number again
+  std::array<std::optional<int>, 3> decimals_{};  ///< of coordinates; empty: as other numbers
   std::string header_;  ///< until it is written: with the first rows, so that bad targets leave stdout empty
   std::unique_ptr<OutputFile> file_;
   std::function<void(std::string_view)> take_;
@@ -132,9 +138,8 @@ class AnswerText final : public AnswerOutput {
 
 class AnswerLas final : public AnswerOutput {
  public:
-  AnswerLas(const std::filesystem::path& file, bool overwrite, const IndexedCloud& cloud,
-            std::vector<AnswerColumn> columns, Listener& listener)
-      : cloud_(cloud), columns_(cloud.columns()), results_(std::move(columns)) {
+  AnswerLas(const CheckedQuery& query, const IndexedCloud& cloud, Listener& listener)
+      : cloud_(cloud), columns_(cloud.columns()), results_(answer_columns(query)) {
     std::erase_if(results_, [](const AnswerColumn& column) { return column.dimension.empty(); });
     // Readers rely on Distance, RayT, RayId.
     std::ranges::reverse(results_);
@@ -142,15 +147,15 @@ class AnswerLas final : public AnswerOutput {
     std::erase_if(columns_.extra_dimensions, [&](const ExtraColumn& column) {
       const std::string& name = column.description.name;
       if (std::ranges::find(results_, name, &AnswerColumn::dimension) == results_.end()) return false;
-      warnings.push_back(fmt::format("{}: replacing the cloud's {}", file.string(), name));
+      warnings.push_back(fmt::format("{}: replacing the cloud's {}", query.output.string(), name));
       return true;
     });
     PointCloud like = description_of(cloud);
     for (const ExtraColumn& column : columns_.extra_dimensions)
       like.extra_dimensions.push_back(column.description);
     for (const AnswerColumn& result : results_) like.extra_dimensions.push_back(described(result));
-    writer_.emplace(file, like, columns_.attributes(),
-                    LasWriteOptions{.overwrite = overwrite,
+    writer_.emplace(query.output, like, columns_.attributes(),
+                    LasWriteOptions{.overwrite = query.overwrite,
                                     .warn = [&](const std::string& text) { warnings.push_back(text); }});
     warn_all(listener, warnings);
   }
@@ -202,12 +207,16 @@ class AnswerLas final : public AnswerOutput {
 
 }  // namespace
 
-std::vector<AnswerColumn> answer_columns(TargetFamily family) {
+std::vector<AnswerColumn> answer_columns(const CheckedQuery& query) {
   using enum TargetFamily;
+  const TargetFamily family = query.family;
   const bool is_straight = family == rays || family == lines || family == cones;
   const TargetKind& kind = target_kind(family);
-  const std::string dimension(kind.dimension);
-  std::vector<AnswerColumn> columns = {{.name = std::string(kind.id_name),
+  const std::string id(kind.id_name), dimension(kind.dimension);
+  if (query.has_only_numbers())
+    return {{.name = id, .whole = &AnswerRow::target_id},
+            {.name = query.occluded ? "occluded" : "count", .whole = &AnswerRow::count}};
+  std::vector<AnswerColumn> columns = {{.name = id,
                                         .whole = &AnswerRow::target_id,
                                         .dimension = dimension + "Id",
                                         .description = "index of the target"},
@@ -231,20 +240,13 @@ std::vector<AnswerColumn> answer_columns(TargetFamily family) {
   return columns;
 }
 
-std::vector<AnswerColumn> number_columns(TargetFamily family, const std::string& name) {
-  return {{.name = std::string(target_kind(family).id_name), .whole = &AnswerRow::target_id},
-          {.name = name, .whole = &AnswerRow::count}};
+std::unique_ptr<AnswerOutput> open_text(const CheckedQuery& query, const Lattice& lattice) {
+  return std::make_unique<AnswerText>(query, lattice);
 }
 
-std::unique_ptr<AnswerOutput> answers_as_text(std::vector<AnswerColumn> columns, AnswerForm form,
-                                              const NumberForm& numbers, const TextOutput& output) {
-  return std::make_unique<AnswerText>(std::move(columns), form, numbers, output);
-}
-
-std::unique_ptr<AnswerOutput> answers_as_las(const std::filesystem::path& file, bool overwrite,
-                                             const IndexedCloud& cloud, std::vector<AnswerColumn> columns,
-                                             Listener& listener) {
-  return std::make_unique<AnswerLas>(file, overwrite, cloud, std::move(columns), listener);
+std::unique_ptr<AnswerOutput> open_las(const CheckedQuery& query, const IndexedCloud& cloud,
+                                       Listener& listener) {
+  return std::make_unique<AnswerLas>(query, cloud, listener);
 }
 
 }  // namespace alidade::jobs

@@ -14,6 +14,7 @@
 #include "cloud/rows.h"
 #include "jobs/cloud_part.h"
 #include "jobs/load_cloud.h"
+#include "jobs/query/targets.h"
 #include "octree/build.h"
 
 namespace alidade::jobs {
@@ -108,8 +109,8 @@ database::PointFilter filter_of(const Target& target, double radius, const Bound
 
 /// Whether targets can be read twice, and the distance of their answers is limited.
 template <class Target>
-bool can_be_surveyed(const QueryRequest& request, const GivenTargets& given) {
-  return (QueryFamily<Target>::limits_itself || request.radius) && given.can_be_reread();
+bool can_be_surveyed(const CheckedQuery& query) {
+  return (QueryFamily<Target>::limits_itself || query.radius) && query.given_targets().can_be_reread();
 }
 
 /// What a first pass through the targets finds.
@@ -121,12 +122,10 @@ struct Survey {
 /// Surveys the targets on a cloud in the box `within`. Empty if they are too many, or, without `filters`, if
 /// their region is the whole box.
 template <class Target>
-std::optional<Survey> survey(const QueryPlan& plan, const Bounds& within, bool with_filters,
+std::optional<Survey> survey(const CheckedQuery& query, const Bounds& within, bool with_filters,
                              Listener& listener) {
-  const QueryRequest& request = plan.request();
-  const double radius = request.radius.value_or(0.0);
-  TargetReader<Target> reader(request.given(plan.family()), plan.family(), {request.t_min, request.t_max},
-                              [&listener] { return listener.stops(); });
+  const double radius = query.radius.value_or(0.0);
+  TargetReader<Target> reader(query, [&listener] { return listener.stops(); });
   TargetBatch<Target> batch;
   Survey found;
   for (std::uint64_t count = 0; reader.next(k_batch, batch);) {
@@ -146,59 +145,55 @@ std::optional<Survey> survey(const QueryPlan& plan, const Bounds& within, bool w
 
 /// A box that contains all points that can answer; empty if it is unknown.
 template <class Target>
-std::optional<Bounds> query_region(const QueryPlan& plan, Listener& listener) {
-  const QueryRequest& request = plan.request();
-  if (request.files.size() < 2 || std::is_same_v<Target, HalfSpaces> || request.partial ||
-      request.max_level || plan.form() == AnswerForm::las ||
-      !can_be_surveyed<Target>(request, request.given(plan.family())))
+std::optional<Bounds> query_region(const CheckedQuery& query, Listener& listener) {
+  if (query.files.size() < 2 || std::is_same_v<Target, HalfSpaces> || query.partial || query.max_level ||
+      query.form == AnswerForm::las || !can_be_surveyed<Target>(query))
     return std::nullopt;
-  const std::optional<Survey> found = survey<Target>(plan, stated_box(request.files), false, listener);
+  const std::optional<Survey> found = survey<Target>(query, stated_box(query.files), false, listener);
   return found ? std::optional(found->region) : std::nullopt;
 }
 
-AttributeSet needed_attributes(const QueryPlan& plan) {
-  if (plan.form() == AnswerForm::las) return AttributeSet::all();
-  return plan.request().classes ? AttributeSet(Attribute::classification) : AttributeSet();
+AttributeSet needed_attributes(const CheckedQuery& query) {
+  if (query.form == AnswerForm::las) return AttributeSet::all();
+  return query.classes ? AttributeSet(Attribute::classification) : AttributeSet();
 }
 
 /// The part of a cloud in a database that can answer; empty if that is the whole cloud, or unknown.
 template <class Target>
-std::optional<database::CloudPart> read_part(const QueryPlan& plan, Listener& listener) {
-  const QueryRequest& request = plan.request();
-  const CloudInput& input = request.files.inputs.front();
-  if (request.files.size() != 1 || request.partial || request.max_level || !has_parts(input) ||
-      !can_be_surveyed<Target>(request, request.given(plan.family())))
+std::optional<database::CloudPart> read_part(const CheckedQuery& query, Listener& listener) {
+  const CloudInput& input = query.files.inputs.front();
+  if (query.files.size() != 1 || query.partial || query.max_level || !has_parts(input) ||
+      !can_be_surveyed<Target>(query))
     return std::nullopt;
-  const std::optional<Survey> found = survey<Target>(plan, stated_size(request.files).box, true, listener);
+  const std::optional<Survey> found = survey<Target>(query, stated_size(query.files).box, true, listener);
   if (!found) return std::nullopt;
   const std::string unit = part_unit(input);
   const auto stage = listener.begin("loading " + unit, unit);
   database::CloudPart part =
-      read_database_part(input, found->filters, needed_attributes(plan), stage->callback());
+      read_database_part(input, found->filters, needed_attributes(query), stage->callback());
   // A LAS file has the columns of the cloud even if it has no points.
-  if (part.ids.empty() && plan.form() == AnswerForm::las) return std::nullopt;
+  if (part.ids.empty() && query.form == AnswerForm::las) return std::nullopt;
   stage->finish();
   return part;
 }
 
-[[noreturn]] void reject_classes(const QueryRequest& request) {
-  throw file_error(request.files.first_name(), "--classes requires classification", "a classified cloud");
+[[noreturn]] void reject_classes(const CheckedQuery& query) {
+  throw file_error(query.files.first_name(), "--classes requires classification", "a classified cloud");
 }
 
-IndexedCloud load_files(const QueryPlan& plan, const std::optional<Bounds>& region, Listener& listener) {
-  const QueryRequest& request = plan.request();
+IndexedCloud load_files(const CheckedQuery& query, const std::optional<Bounds>& region, Listener& listener) {
   IndexCloudOptions options;
   options.read.region = region;
-  options.read.attributes = needed_attributes(plan);
-  if (request.max_level) options.build.organisation = Organisation::layered;
-  IndexedCloud cloud = load_cloud(request.files, request.partial, options, listener);
+  options.read.attributes = needed_attributes(query);
+  if (query.max_level) options.build.organisation = Organisation::layered;
+  IndexedCloud cloud = load_cloud(query.files, query.partial, options, listener);
   const std::size_t all_files = cloud.cloud.files.size();
   const std::size_t skipped_files = RowIds(cloud.cloud.files).skipped_files();
   if (skipped_files > 0)
     listener.note(fmt::format("read {} of {} files: no target reaches the bounds of the others",
                               all_files - skipped_files, all_files));
-  if (request.max_level && cloud.octree.view().organisation != Organisation::layered) {
-    throw file_error(request.files.first_name(), "--max-level requires a layered index",
+  if (query.max_level && cloud.octree.view().organisation != Organisation::layered) {
+    throw file_error(query.files.first_name(), "--max-level requires a layered index",
                      "a layered index (alidade index --organisation layered)");
   }
   return cloud;
@@ -206,22 +201,20 @@ IndexedCloud load_files(const QueryPlan& plan, const std::optional<Bounds>& regi
 
 }  // namespace
 
-bool queries_in_place(const QueryPlan& plan) {
-  const QueryRequest& request = plan.request();
-  if (request.is_loaded || request.partial || request.max_level || plan.form() == AnswerForm::las)
-    return false;
-  if (request.files.only(k_copc_format) != nullptr) return true;
-  return std::ranges::all_of(request.files.inputs, [](const CloudInput& input) {
+bool queries_in_place(const CheckedQuery& query) {
+  if (query.is_loaded || query.partial || query.max_level || query.form == AnswerForm::las) return false;
+  if (query.files.only(k_copc_format) != nullptr) return true;
+  return std::ranges::all_of(query.files.inputs, [](const CloudInput& input) {
     return input.is(k_copc_format) && input.stated && !input.is_changed();
   });
 }
 
-std::unique_ptr<CopcTiles> open_copc(const QueryRequest& request, Listener& listener) {
+std::unique_ptr<CopcTiles> open_copc(const CheckedQuery& query, Listener& listener) {
   CopcCache::Options options;
-  options.classes = request.classes;
-  if (request.memory) options.byte_count = *request.memory;
+  options.classes = query.classes;
+  if (query.memory) options.byte_count = *query.memory;
   options.progress = [&listener](std::uint64_t, std::uint64_t) { return !listener.stops(); };
-  auto tiles = std::make_unique<CopcTiles>(request.files, options);
+  auto tiles = std::make_unique<CopcTiles>(query.files, options);
   warn_all(listener, tiles->warnings());
   return tiles;
 }
@@ -233,40 +226,39 @@ std::function<std::uint64_t(std::uint64_t)> QueriedCloud::ids() const {
   return ids;
 }
 
-CandidateFilter QueriedCloud::class_filter(const QueryRequest& request) const {
-  if (!request.classes || indexed.octree.size() == 0) return {};
+CandidateFilter QueriedCloud::class_filter(const CheckedQuery& query) const {
+  if (!query.classes || indexed.octree.size() == 0) return {};
   const std::span<const std::uint8_t> classifications = indexed.columns().classifications;
   if (classifications.empty()) {
     // Points of files without classes have class 0 beside files with classes, even if none of these was read.
     if (RowIds(indexed.cloud.files).skipped_files() > 0)
-      return [is_wanted = request.classes->test(0)](const Candidate&) { return is_wanted; };
-    reject_classes(request);
+      return [is_wanted = query.classes->test(0)](const Candidate&) { return is_wanted; };
+    reject_classes(query);
   }
-  return [classes = *request.classes, classifications](const Candidate& point) {
+  return [classes = *query.classes, classifications](const Candidate& point) {
     return classes.test(classifications[point.point_id]);
   };
 }
 
 template <class Target>
-QueriedCloud load_queried(const QueryPlan& plan, Listener& listener) {
-  const QueryRequest& request = plan.request();
+QueriedCloud load_queried(const CheckedQuery& query, Listener& listener) {
   QueriedCloud cloud;
-  cloud.part = read_part<Target>(plan, listener);
+  cloud.part = read_part<Target>(query, listener);
   if (!cloud.part) {
-    cloud.indexed = load_files(plan, query_region<Target>(plan, listener), listener);
+    cloud.indexed = load_files(query, query_region<Target>(query, listener), listener);
     return cloud;
   }
-  if (request.classes && !cloud.part->attributes.contains(Attribute::classification)) reject_classes(request);
+  if (query.classes && !cloud.part->attributes.contains(Attribute::classification)) reject_classes(query);
   cloud.indexed.cloud = std::move(cloud.part->cloud);
   cloud.indexed.octree = build(std::move(cloud.indexed.cloud));
   return cloud;
 }
 
-template QueriedCloud load_queried<Ray>(const QueryPlan&, Listener&);
-template QueriedCloud load_queried<Cone>(const QueryPlan&, Listener&);
-template QueriedCloud load_queried<Path>(const QueryPlan&, Listener&);
-template QueriedCloud load_queried<HalfSpaces>(const QueryPlan&, Listener&);
-template QueriedCloud load_queried<Bounds>(const QueryPlan&, Listener&);
-template QueriedCloud load_queried<glm::dvec3>(const QueryPlan&, Listener&);
+template QueriedCloud load_queried<Ray>(const CheckedQuery&, Listener&);
+template QueriedCloud load_queried<Cone>(const CheckedQuery&, Listener&);
+template QueriedCloud load_queried<Path>(const CheckedQuery&, Listener&);
+template QueriedCloud load_queried<HalfSpaces>(const CheckedQuery&, Listener&);
+template QueriedCloud load_queried<Bounds>(const CheckedQuery&, Listener&);
+template QueriedCloud load_queried<glm::dvec3>(const CheckedQuery&, Listener&);
 
 }  // namespace alidade::jobs

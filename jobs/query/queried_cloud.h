@@ -16,11 +16,11 @@ namespace alidade::jobs {
 
 /// Whether the job reads COPC in place: a single file, or files of a catalog that states their boxes, if only
 /// positions and classes are needed. Errors: the file cannot be opened.
-bool queries_in_place(const QueryPlan& plan);
+bool queries_in_place(const CheckedQuery& query);
 
-/// The COPC files of the request, with the points of its classes only. Reading them ends when the listener
+/// The COPC files of the query, with the points of its classes only. Reading them ends when the listener
 /// stops. Errors: CopcTiles'.
-std::unique_ptr<CopcTiles> open_copc(const QueryRequest& request, Listener& listener);
+std::unique_ptr<CopcTiles> open_copc(const CheckedQuery& query, Listener& listener);
 
 /// A cloud, all or some of whose points have been loaded.
 struct QueriedCloud {
@@ -30,9 +30,9 @@ struct QueriedCloud {
   /// The number that a row has in the whole cloud; empty if it is the row. The cloud must outlive it.
   std::function<std::uint64_t(std::uint64_t row)> ids() const;
 
-  /// Admits points of the chosen classes; empty if the request chooses none. The cloud must outlive it.
+  /// Admits points of the chosen classes; empty if the query chooses none. The cloud must outlive it.
   /// Errors: the cloud has no classes.
-  CandidateFilter class_filter(const QueryRequest& request) const;
+  CandidateFilter class_filter(const CheckedQuery& query) const;
 };
 
 /// Loads the points that can answer the targets, from a first pass through them and from what files and
@@ -40,6 +40,6 @@ struct QueriedCloud {
 /// targets that come through a pipe or are more than a million, and where answers depend on other points
 /// (levels, colours in LAS). Errors: those of targets and of load_cloud(); the cloud lacks levels or classes.
 template <class Target>
-QueriedCloud load_queried(const QueryPlan& plan, Listener& listener);
+QueriedCloud load_queried(const CheckedQuery& query, Listener& listener);
 
 }  // namespace alidade::jobs

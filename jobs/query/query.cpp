@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
-#include <chrono>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -16,7 +17,9 @@
 #include "base/words.h"
 #include "geo/remote_file.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/query/answers.h"
 #include "jobs/query/queried_cloud.h"
+#include "jobs/query/targets.h"
 #include "octree/check_query.h"
 #include "octree/explained_query.h"
 
@@ -124,8 +127,9 @@ TargetFamily chosen_family(const QueryRequest& request) {
 }
 
 /// Errors: a field does not apply to this family, or requires another.
-void check_fields(const QueryRequest& request, TargetFamily family) {
+void check_fields(const CheckedQuery& request) {
   using enum TargetFamily;
+  const TargetFamily family = request.family;
   const bool is_straight = family == rays || family == lines;
   const bool has_t = is_straight || family == cones || family == path;
   if (request.radius && (family == cones || family == planes || family == boxes)) reject("--radius", family);
@@ -181,21 +185,16 @@ auto with_geometry(TargetFamily family, const Work& work) {
   return work(std::type_identity<Ray>());
 }
 
-bool only_numbers(const QueryRequest& request) {
-  return request.count || request.occluded;
-}
-
 /// The query of the library, without the filter, which needs the cloud.
 template <class Target>
-QueryOf<Target> conditions(const QueryRequest& request) {
+QueryOf<Target> conditions(const CheckedQuery& request) {
   QueryOf<Target> query;
   bool is_bounded = true;
-  if constexpr (requires { query.radius; } && !std::is_same_v<Target, Bounds> &&
-                !std::is_same_v<Target, HalfSpaces>) {
+  if constexpr (requires { query.radius; } && !QueryFamily<Target>::limits_itself) {
     query.radius = request.radius.value_or(k_unlimited_radius);
     is_bounded = request.radius.has_value();
   }
-  query.k = request.k.value_or(is_bounded || only_numbers(request) ? k_all : 1);
+  query.k = request.k.value_or(is_bounded || request.has_only_numbers() ? k_all : 1);
   if (request.occluded) query.k = 1;
   if constexpr (std::is_same_v<Target, Ray>) {
     query.measure = request.measure.value_or(request.radius ? Measure::entry : Measure::distance);
@@ -210,174 +209,12 @@ QueryOf<Target> conditions(const QueryRequest& request) {
 
 /// Reports mistakes in the first targets before the cloud is loaded, if they can be read again.
 template <class Target>
-void check_first_targets(const QueryRequest& request, TargetFamily family) {
+void check_first_targets(const CheckedQuery& query) {
   constexpr std::size_t k_few = 1000;
-  const GivenTargets& given = request.given(family);
-  if (!given.can_be_reread()) return;
-  TargetReader<Target> reader(given, family, {request.t_min, request.t_max});
+  if (!query.given_targets().can_be_reread()) return;
+  TargetReader<Target> reader(query);
   TargetBatch<Target> batch;
   reader.next(k_few, batch);
-}
-
-/// How a batch is answered: by the functions of octree/query.h, or by Algorithm 1, which counts its steps.
-template <class Target>
-struct BatchQuery {
-  /// The `most` first answers of each target.
-  std::function<Answers<AnswerOf<Target>>(std::span<const Target>, std::size_t most)> find;
-  std::function<void(std::span<const Target>, std::span<std::size_t> counts)> count;
-  std::size_t k;
-};
-
-template <class Target>
-BatchQuery<Target> batch_query(const Octree& octree, const QueryOf<Target>& query) {
-  return {[&](std::span<const Target> targets, std::size_t most) {
-            QueryOf<Target> some = query;
-            some.k = std::min(query.k, most);
-            return find(octree, targets, some);
-          },
-          [&](std::span<const Target> targets, std::span<std::size_t> counts) {
-            count(octree, targets, query, counts);
-          },
-          query.k};
-}
-
-template <class Target, class Index>
-BatchQuery<Target> explained_query(const Index& index, const QueryOf<Target>& query, QueryStatistics& work) {
-  using Query = ExplainedQuery<Target, Index>;
-  return {[&](std::span<const Target> targets, std::size_t most) {
-            return Query::find(index, targets, query, most, work);
-          },
-          [&](std::span<const Target> targets, std::span<std::size_t> counts) {
-            Query::count(index, targets, query, counts, work);
-          },
-          query.k};
-}
-
-/// Makes rows of answers and writes them.
-class RowWriter {
- public:
-  using Ids = std::function<std::uint64_t(std::uint64_t row)>;
-
-  /// `point_ids`: of rows of the cloud; empty: the rows.
-  RowWriter(std::unique_ptr<AnswerOutput> output, Ids point_ids)
-      : output_(std::move(output)), point_ids_(std::move(point_ids)) {}
-
-  /// The answers of the targets [begin, end). `ids`: of all targets.
-  template <class Answer>
-  void write(const Answers<Answer>& answers, std::size_t begin, std::size_t end,
-             std::span<const std::uint64_t> ids) {
-    const std::vector<std::size_t>& starts = answers.begin;
-    const std::size_t before = starts[begin];
-    put(starts[end] - before, [&](std::size_t first, std::span<AnswerRow> rows) {
-      std::size_t i = before + first;
-      auto target = static_cast<std::size_t>(std::ranges::upper_bound(starts, i) - starts.begin()) - 1;
-      for (AnswerRow& row : rows) {
-        while (starts[target + 1] <= i) ++target;
-        row = row_of(answers.all[i]);
-        if (point_ids_) row.point_id = point_ids_(row.point_id);
-        row.target_id = ids[target];
-        row.rank = i++ - starts[target];
-      }
-    });
-  }
-  void write(std::span<const std::size_t> counts, std::span<const std::uint64_t> ids) {
-    put(counts.size(), [&](std::size_t first, std::span<AnswerRow> rows) {
-      for (std::size_t i = 0; i < rows.size(); ++i)
-        rows[i] = {.target_id = ids[first + i], .count = counts[first + i]};
-    });
-  }
-  void finish() { output_->finish(); }
-
-  std::uint64_t written() const { return written_; }
-
- private:
-  static constexpr std::size_t k_rows_at_once = 1 << 17, k_rows_per_task = 1 << 10;
-
-  template <class Answer>
-  static AnswerRow row_of(const Answer& hit) {
-    AnswerRow row{.point_id = hit.point_id, .position = hit.position, .distance = hit.distance};
-    if constexpr (requires { hit.t; }) row.t = hit.t;
-    if constexpr (requires { hit.entry; }) row.entry = hit.entry;
-    if constexpr (requires { hit.segment; }) row.segment = hit.segment;
-    return row;
-  }
-
-  /// Writes so many rows, maybe none. fill(first, rows) makes some of them, from several threads at once.
-  template <class Fill>
-  void put(std::size_t count, const Fill& fill) {
-    for (std::size_t first = 0; first == 0 || first < count; first += k_rows_at_once) {
-      rows_.resize(std::min(k_rows_at_once, count - first));
-      in_blocks(rows_.size(), k_rows_per_task, [&](std::size_t begin, std::size_t end) {
-        fill(first + begin, std::span(rows_).subspan(begin, end - begin));
-      });
-      output_->write(rows_);
-    }
-    written_ += count;
-  }
-
-  std::unique_ptr<AnswerOutput> output_;
-  Ids point_ids_;
-  std::vector<AnswerRow> rows_;
-  std::uint64_t written_ = 0;
-};
-
-/// Writes the answers of a batch, in the order of the targets. No more than `limit` of each target are held
-/// at once, but for a single target that has more.
-template <class Target>
-void answer_batch(const BatchQuery<Target>& query, const TargetBatch<Target>& batch, std::size_t limit,
-                  RowWriter& writer) {
-  const std::span<const Target> targets = batch.targets;
-  const std::span<const std::uint64_t> ids = batch.ids;
-  const bool is_limited = query.k > limit;
-  const auto answers = query.find(targets, is_limited ? limit + 1 : k_all);
-  std::size_t first = 0;
-  for (std::size_t i = 0; is_limited && i < targets.size(); ++i) {
-    if (answers[i].size() <= limit) continue;
-    writer.write(answers, first, i, ids);
-    writer.write(query.find(targets.subspan(i, 1), k_all), 0, 1, ids.subspan(i, 1));
-    first = i + 1;
-  }
-  writer.write(answers, first, targets.size(), ids);
-}
-
-template <class Target>
-void count_batch(const BatchQuery<Target>& query, const TargetBatch<Target>& batch, RowWriter& writer) {
-  std::vector<std::size_t> counts(batch.targets.size());
-  query.count(batch.targets, counts);
-  writer.write(counts, batch.ids);
-}
-
-/// The expected number of targets, if so many took this share of their text; 0 if the share is not known.
-std::uint64_t expected_targets(std::uint64_t targets, double share) {
-  if (share == 0.0) return 0;
-  return std::max(targets, static_cast<std::uint64_t>(static_cast<double>(targets) / share));
-}
-
-/// Reads and queries all targets, and writes their answers. Returns the number of targets.
-template <class Target>
-std::uint64_t answer_targets(TargetReader<Target>& reader, const BatchQuery<Target>& query,
-                             const QueryRequest& request, RowWriter& writer, const Progress& progress) {
-  using Clock = PieceSize::Clock;
-  constexpr std::size_t k_explained_batch = 256;
-  std::uint64_t count = 0;
-  BatchSize size;
-  TargetBatch<Target> batch;
-  // Work is counted once: a target whose work is counted is never queried twice.
-  while (reader.next(request.explain ? std::min(size.targets(), k_explained_batch) : size.targets(), batch)) {
-    const auto begin = Clock::now();
-    const std::uint64_t before = writer.written();
-    if (only_numbers(request)) {
-      count_batch(query, batch, writer);
-    } else {
-      answer_batch(query, batch, request.explain ? k_all : size.answers_per_target(), writer);
-    }
-    size.learn(batch.targets.size(), writer.written() - before, Clock::now() - begin);
-    count += batch.targets.size();
-    report(progress, count, expected_targets(count, reader.share()));
-  }
-  report(progress, count, count);
-  writer.finish();
-  return count;
 }
 
 /// Keeps the rows.
@@ -393,16 +230,14 @@ class AnswerList final : public AnswerOutput {
   std::vector<AnswerRow>& rows_;
 };
 
-/// Where the answers go, but for those in LAS.
-std::unique_ptr<AnswerOutput> open_output(const QueryPlan& plan, const Lattice& lattice,
-                                          QueryResult& result) {
-  const QueryRequest& request = plan.request();
-  if (request.output.empty() && !request.write_text) return std::make_unique<AnswerList>(result.rows);
-  NumberForm numbers{.digits = request.precision};
-  for (int axis = 0; axis < 3 && !request.precision; ++axis)
-    numbers.decimals[static_cast<std::size_t>(axis)] = shown_decimals(lattice, axis);
-  return answers_as_text(result.columns, plan.form(), numbers,
-                         {request.output, request.overwrite, request.write_text});
+/// The found point without its target and rank.
+template <class Answer>
+AnswerRow row_of(const Answer& hit) {
+  AnswerRow row{.point_id = hit.point_id, .position = hit.position, .distance = hit.distance};
+  if constexpr (requires { hit.t; }) row.t = hit.t;
+  if constexpr (requires { hit.entry; }) row.entry = hit.entry;
+  if constexpr (requires { hit.segment; }) row.segment = hit.segment;
+  return row;
 }
 
 /// The work of Algorithm 1 in all and for each target.
@@ -451,24 +286,30 @@ void add_traffic(const CloudInputs& clouds, std::vector<WorkCount>& work) {
 template <class Target>
 class QueryRun {
  public:
-  QueryRun(const QueryPlan& plan, Listener& listener)
-      : plan_(plan),
-        request_(plan.request()),
+  QueryRun(const CheckedQuery& request, Listener& listener)
+      : request_(request),
         listener_(listener),
-        query_(conditions<Target>(request_)),
-        reader_(request_.given(plan.family()), plan.family(), {request_.t_min, request_.t_max},
-                [&listener] { return listener.stops(); }) {
-    result_.columns = request_.occluded ? number_columns(plan.family(), "occluded")
-                      : request_.count  ? number_columns(plan.family(), "count")
-                                        : answer_columns(plan.family());
-  }
+        query_(conditions<Target>(request)),
+        reader_(request, [&listener] { return listener.stops(); }) {}
 
   QueryResult run() {
-    if (queries_in_place(plan_)) {
-      run_in_place();
+    result_.columns = answer_columns(request_);
+    if (queries_in_place(request_)) {
+      tiles_ = open_copc(request_, listener_);
+      result_.crs = tiles_->crs();
+      output_ = open_output(tiles_->lattice());
     } else {
-      run_loaded();
+      cloud_ = load_queried<Target>(request_, listener_);
+      const IndexedCloud& indexed = cloud_->indexed;
+      result_.crs = indexed.cloud.crs;
+      query_.filter = cloud_->class_filter(request_);
+      const bool is_las = request_.form == AnswerForm::las;
+      if (!is_las) point_ids_ = cloud_->ids();
+      output_ = is_las ? open_las(request_, indexed, listener_) : open_output(indexed.octree.lattice());
     }
+    answer_shown();
+    if (tiles_) add_reads(*tiles_, result_.work);
+    if (cloud_ && cloud_->part) add_reads(*cloud_->part, result_.work);
     add_traffic(request_.files, result_.work);
     if (!request_.explain) result_.work.clear();
     RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
@@ -476,47 +317,141 @@ class QueryRun {
   }
 
  private:
-  void run_in_place() {
-    const std::unique_ptr<CopcTiles> tiles = open_copc(request_, listener_);
-    result_.crs = tiles->crs();
-    answer(explained_query<Target>(*tiles, query_, steps_),
-           {open_output(plan_, tiles->lattice(), result_), {}});
-    add_reads(*tiles, result_.work);
+  using Found = Answers<AnswerOf<Target>>;
+
+  /// Where the answers go, but for those in LAS.
+  std::unique_ptr<AnswerOutput> open_output(const Lattice& lattice) {
+    if (request_.output.empty() && !request_.write_text) return std::make_unique<AnswerList>(result_.rows);
+    return open_text(request_, lattice);
   }
 
-  void run_loaded() {
-    const QueriedCloud queried = load_queried<Target>(plan_, listener_);
-    const IndexedCloud& cloud = queried.indexed;
-    result_.crs = cloud.cloud.crs;
-    query_.filter = queried.class_filter(request_);
-    const bool is_las = plan_.form() == AnswerForm::las;
-    auto output = is_las
-                      ? answers_as_las(request_.output, request_.overwrite, cloud, result_.columns, listener_)
-                      : open_output(plan_, cloud.octree.lattice(), result_);
-    answer(request_.explain ? explained_query<Target>(cloud.octree, query_, steps_)
-                            : batch_query<Target>(cloud.octree, query_),
-           {std::move(output), is_las ? RowWriter::Ids() : queried.ids()});
-    if (queried.part) add_reads(*queried.part, result_.work);
-  }
-
-  void answer(const BatchQuery<Target>& query, RowWriter writer) {
-    const TargetKind& kind = target_kind(plan_.family());
+  void answer_shown() {
+    const std::string targets(target_kind(request_.family).plural);
     SilentListener silent(listener_);
     Listener& heard = request_.is_text_shown && request_.output.empty() ? silent : listener_;
-    const std::uint64_t count = in_stage(
-        heard, "querying", std::string(kind.plural),
-        [&](const Progress& progress) { return answer_targets(reader_, query, request_, writer, progress); });
+    const std::uint64_t count = in_stage(heard, "querying", targets,
+                                         [&](const Progress& progress) { return answer_targets(progress); });
     if (!request_.output.empty())
-      listener_.note(fmt::format("{} {} in {}", writer.written(),
-                                 only_numbers(request_) ? "rows" : "points found", request_.output.string()));
-    add_steps(steps_, kind.plural, count, writer.written(), result_.work);
+      listener_.note(fmt::format("{} {} in {}", written_,
+                                 request_.has_only_numbers() ? "rows" : "points found",
+                                 request_.output.string()));
+    add_steps(steps_, targets, count, written_, result_.work);
   }
 
-  const QueryPlan& plan_;
-  const QueryRequest& request_;
+  /// Reads and queries all targets, and writes their answers. Returns the number of targets.
+  std::uint64_t answer_targets(const Progress& progress) {
+    using Clock = PieceSize::Clock;
+    constexpr std::size_t k_explained_batch = 256;
+    std::uint64_t count = 0;
+    BatchSize size;
+    // Work is counted once: a target whose work is counted is never queried twice.
+    const auto most = [&] {
+      return request_.explain ? std::min(size.targets(), k_explained_batch) : size.targets();
+    };
+    while (reader_.next(most(), batch_)) {
+      const auto begin = Clock::now();
+      const std::uint64_t before = written_;
+      if (request_.has_only_numbers()) {
+        count_batch();
+      } else {
+        answer_batch(request_.explain ? k_all : size.answers_per_target());
+      }
+      size.learn(batch_.targets.size(), written_ - before, Clock::now() - begin);
+      count += batch_.targets.size();
+      const double share = reader_.share();
+      const double expected = share > 0.0 ? static_cast<double>(count) / share : 0.0;
+      report(progress, count, share > 0.0 ? std::max(count, static_cast<std::uint64_t>(expected)) : 0);
+    }
+    report(progress, count, count);
+    output_->finish();
+    return count;
+  }
+
+  /// Writes the answers of the batch, in the order of the targets. No more than `limit` of each target are
+  /// held at once, but for a single target that has more.
+  void answer_batch(std::size_t limit) {
+    const std::span<const Target> targets = batch_.targets;
+    const bool is_limited = query_.k > limit;
+    const Found answers = find(targets, is_limited ? limit + 1 : k_all);
+    std::size_t first = 0;
+    for (std::size_t i = 0; is_limited && i < targets.size(); ++i) {
+      if (answers[i].size() <= limit) continue;
+      write(answers, 0, first, i);
+      write(find(targets.subspan(i, 1), k_all), i, 0, 1);
+      first = i + 1;
+    }
+    write(answers, 0, first, targets.size());
+  }
+
+  void count_batch() {
+    std::vector<std::size_t> counts(batch_.targets.size());
+    const std::span<const Target> targets = batch_.targets;
+    if (tiles_)
+      ExplainedQuery<Target, CopcTiles>::count(*tiles_, targets, query_, counts, steps_);
+    else if (request_.explain)
+      ExplainedQuery<Target, Octree>::count(cloud_->indexed.octree, targets, query_, counts, steps_);
+    else
+      alidade::count(cloud_->indexed.octree, targets, query_, counts);
+    put(counts.size(), [&](std::size_t first, std::span<AnswerRow> rows) {
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        rows[i] = {.target_id = batch_.ids[first + i], .count = counts[first + i]};
+    });
+  }
+
+  /// The `most` first answers of each target, by Algorithm 1 if its steps are counted.
+  Found find(std::span<const Target> targets, std::size_t most) {
+    if (tiles_) return ExplainedQuery<Target, CopcTiles>::find(*tiles_, targets, query_, most, steps_);
+    const Octree& octree = cloud_->indexed.octree;
+    if (request_.explain) return ExplainedQuery<Target, Octree>::find(octree, targets, query_, most, steps_);
+    QueryOf<Target> some = query_;
+    some.k = std::min(query_.k, most);
+    return alidade::find(octree, targets, some);
+  }
+
+  /// Writes the answers of the targets [begin, end) of those that are answered, which start at number `from`
+  /// of the batch.
+  void write(const Found& answers, std::size_t from, std::size_t begin, std::size_t end) {
+    const std::vector<std::size_t>& starts = answers.begin;
+    const std::size_t before = starts[begin];
+    put(starts[end] - before, [&](std::size_t first, std::span<AnswerRow> rows) {
+      std::size_t i = before + first;
+      auto target = static_cast<std::size_t>(std::ranges::upper_bound(starts, i) - starts.begin()) - 1;
+      for (AnswerRow& row : rows) {
+        while (starts[target + 1] <= i) ++target;
+        row = row_of(answers.all[i]);
+        if (point_ids_) row.point_id = point_ids_(row.point_id);
+        row.target_id = batch_.ids[from + target];
+        row.rank = i++ - starts[target];
+      }
+    });
+  }
+
+  /// Writes so many rows, maybe none. fill(first, rows) makes some of them, from several threads at once.
+  template <class Fill>
+  void put(std::size_t count, const Fill& fill) {
+    constexpr std::size_t k_rows_at_once = 1 << 17, k_rows_per_task = 1 << 10;
+    for (std::size_t first = 0; first == 0 || first < count; first += k_rows_at_once) {
+      rows_.resize(std::min(k_rows_at_once, count - first));
+      in_blocks(rows_.size(), k_rows_per_task, [&](std::size_t begin, std::size_t end) {
+        fill(first + begin, std::span(rows_).subspan(begin, end - begin));
+      });
+      output_->write(rows_);
+    }
+    written_ += count;
+  }
+
+  const CheckedQuery& request_;
   Listener& listener_;
   QueryOf<Target> query_;
   TargetReader<Target> reader_;
+  TargetBatch<Target> batch_;
+  // One of these two is queried.
+  std::unique_ptr<CopcTiles> tiles_;
+  std::optional<QueriedCloud> cloud_;
+  std::function<std::uint64_t(std::uint64_t row)> point_ids_;  ///< empty: the rows
+  std::unique_ptr<AnswerOutput> output_;
+  std::vector<AnswerRow> rows_;  ///< that are written next
+  std::uint64_t written_ = 0;
   QueryStatistics steps_;
   QueryResult result_;
 };
@@ -533,31 +468,30 @@ void add_query_fields(const Fields& fields, QueryRequest& request) {
 }
 
 QueryPlan plan(const QueryRequest& given) {
-  QueryRequest request = given;
-  const TargetFamily family = chosen_family(request);
-  check_fields(request, family);
+  CheckedQuery query{given};
+  query.family = chosen_family(query);
+  check_fields(query);
   // The library's rays are whole lines, as the paper's.
-  if (family == TargetFamily::rays && !request.t_min) request.t_min = 0.0;
-  const AnswerForm form = chosen_form(request);
-  PlannedWork work{.clouds = request.files,
-                   .partial = request.partial,
-                   .reads = {request.given(family).text},
-                   .writes = {request.output}};
-  with_geometry(family, [&]<class Target>(std::type_identity<Target>) {
-    (void)conditions<Target>(request);
-    check_outputs(work, request.overwrite);
-    check_first_targets<Target>(request, family);
+  if (query.family == TargetFamily::rays && !query.t_min) query.t_min = 0.0;
+  query.form = chosen_form(query);
+  PlannedWork work{.clouds = query.files,
+                   .partial = query.partial,
+                   .reads = {query.given_targets().text},
+                   .writes = {query.output}};
+  with_geometry(query.family, [&]<class Target>(std::type_identity<Target>) {
+    (void)conditions<Target>(query);
+    check_outputs(work, query.overwrite);
+    check_first_targets<Target>(query);
   });
-  QueryPlan checked(std::move(request), std::move(work), family, form);
-  if (checked.request().memory && !queries_in_place(checked))
+  if (query.memory && !queries_in_place(query))
     throw input_error("--memory requires a COPC query without --load",
                       "a single COPC file, or a catalog of such");
-  return checked;
+  return {std::move(query), std::move(work)};
 }
 
 QueryResult run(const QueryPlan& plan, Listener& listener) {
-  return with_geometry(plan.family(), [&]<class Target>(std::type_identity<Target>) {
-    return QueryRun<Target>(plan, listener).run();
+  return with_geometry(plan.request().family, [&]<class Target>(std::type_identity<Target>) {
+    return QueryRun<Target>(plan.request(), listener).run();
   });
 }
 

@@ -4,8 +4,8 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,11 +16,16 @@
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/plan.h"
-#include "jobs/query/answers.h"
-#include "jobs/query/targets.h"
+#include "jobs/query/target_kind.h"
 #include "octree/query.h"
 
 namespace alidade::jobs {
+
+enum class AnswerForm {
+  csv,         ///< a header and a line per row; infinite numbers are "inf" and "-inf"
+  json_lines,  ///< an object per row; numbers as in csv, null for infinite ones
+  las,         ///< found points
+};
 
 /// The points of a cloud near rays, paths and positions, and in cones, planes and boxes.
 struct QueryRequest : CloudRequest {
@@ -41,30 +46,46 @@ struct QueryRequest : CloudRequest {
 
   GivenTargets& given(TargetFamily family) { return targets[static_cast<std::size_t>(family)]; }
   const GivenTargets& given(TargetFamily family) const { return targets[static_cast<std::size_t>(family)]; }
+  bool has_only_numbers() const { return count || occluded; }
 };
 
 /// Declares all fields.
 void add_query_fields(const Fields& fields, QueryRequest& request);
 
-/// A checked request, its family of targets and the form of its answers.
-class QueryPlan : public Plan<QueryRequest> {
- public:
-  TargetFamily family() const { return family_; }
-  AnswerForm form() const { return form_; }
+struct CheckedQuery : QueryRequest {
+  TargetFamily family{};  ///< of the targets
+  AnswerForm form{};      ///< of the answers
 
- private:
-  friend QueryPlan plan(const QueryRequest& request);
-  QueryPlan(QueryRequest request, PlannedWork work, TargetFamily family, AnswerForm form)
-      : Plan(std::move(request), std::move(work)), family_(family), form_(form) {}
-
-  TargetFamily family_;
-  AnswerForm form_;
+  const GivenTargets& given_targets() const { return given(family); }
 };
+
+using QueryPlan = Plan<CheckedQuery>;
 
 /// Checks all that can be checked before a point is read, and the first targets if they can be read again.
 /// Errors: no targets, or of several families; fields that exclude each other or do not apply; an output of
 /// an unknown format, or that cannot be replaced or written; those of TargetReader.
 QueryPlan plan(const QueryRequest& request);
+
+/// A row of the answer to any query. A family fills what it has.
+struct AnswerRow {
+  std::uint64_t target_id = 0;
+  std::uint64_t rank = 0;  ///< among the target's answers, from 0
+  std::uint64_t point_id = 0;
+  glm::dvec3 position{0.0};
+  std::uint64_t segment = 0;
+  double t = 0.0, distance = 0.0, entry = 0.0;
+  std::uint64_t count = 0;  ///< of queries for a number alone; of `occluded` 0 or 1
+};
+
+/// A column of the answer: its name and the member that holds its value.
+struct AnswerColumn {
+  std::string name;
+  std::uint64_t AnswerRow::*whole = nullptr;  ///< one of these two, or else an axis of the position
+  double AnswerRow::*real = nullptr;
+  int axis = 0;
+  std::string dimension{};  ///< name as an extra dimension of LAS; empty: none
+  const char* description = "";
+};
 
 /// A count of the work of a query.
 struct WorkCount {

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 namespace alidade::jobs {
 namespace {
@@ -82,6 +84,11 @@ std::size_t TargetKind::column(std::string_view wanted) const {
 
 const TargetKind& target_kind(TargetFamily family) {
   return k_kinds[static_cast<std::size_t>(family)];
+}
+
+bool GivenTargets::can_be_reread() const {
+  std::error_code error;
+  return text != "-" && !std::filesystem::is_other(text, error);
 }
 
 const char* expected_value(ValueRule rule, double value) {

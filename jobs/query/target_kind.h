@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 // The targets of queries and how they are written: as rows of numbers with named columns, alike in CSV, in
 // JSON lines, on the command line and in arrays.
@@ -59,6 +61,19 @@ struct TargetKind {
 };
 
 const TargetKind& target_kind(TargetFamily family);
+
+/// How targets of one family were given: in one of these ways.
+struct GivenTargets {
+  std::string text{};                 ///< a file of CSV or JSON lines; "-" is standard input
+  std::vector<std::string> values{};  ///< the columns of the kind, one row each
+  /// A value for every column of the kind, row after row, maybe of no row; NaN where an optional one is not
+  /// given.
+  std::optional<std::span<const double>> rows{};
+
+  bool empty() const { return text.empty() && values.empty() && !rows; }
+  /// Whether they can be read twice: they come neither through standard input nor through a pipe.
+  bool can_be_reread() const;
+};
 
 /// What the value of a column must be; nullptr if it is that.
 const char* expected_value(ValueRule rule, double value);

@@ -3,14 +3,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <array>
 #include <cerrno>
 #include <cmath>
-#include <filesystem>
 #include <limits>
-#include <system_error>
 #include <utility>
 
 #include "base/error.h"
@@ -39,11 +38,11 @@ struct Line {
   std::uint64_t number = 1;
 
   /// Throws an Error about the text at byte `offset`. It names source, line and column (in characters, from
-  /// 1); for an option its whole value instead, for an array the row.
+  /// 1); for an option its whole value instead, if there is one, for an array the row.
   [[noreturn]] void fail(std::size_t offset, std::string problem, std::string expected = {},
                          std::string found = {}) const {
     std::string location = fmt::format("{}:{}", number, 1 + character_count(text.substr(0, offset)));
-    if (kind == Source::option) location = " " + quote(text);
+    if (kind == Source::option) location = text.empty() ? "" : " " + quote(text);
     if (kind == Source::array) location = fmt::format(" row {}", number);
     throw Error({.file = std::string(source),
                  .location = std::move(location),
@@ -61,7 +60,7 @@ struct Line {
 std::vector<std::size_t> read_header(const Line& line, const TargetKind& kind) {
   std::vector<std::string_view> names;
   split_cells(line.text, ',', names);
-  if (parse_number(names.front()))
+  if (alidade::parse_number(names.front()))
     line.fail(0, "missing header", "column names: " + kind.form(), quote(line.text));
   std::vector<std::size_t> columns;
   for (const std::string_view name : names) {
@@ -108,7 +107,7 @@ class RowFiller {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       const std::size_t column = count > 0 ? column_of_cell[i] : i, offset = line_.offset_of(cells[i]);
       if (cells[i].empty() && !kind_.columns[column].required) continue;
-      const auto value = parse_number(cells[i]);
+      const auto value = alidade::parse_number(cells[i]);
       if (!value) fail_invalid(column, offset, cells[i].empty() ? "nothing" : quote(cells[i]));
       put(column, offset, *value, [&] { return quote(cells[i]); });
     }
@@ -224,11 +223,6 @@ class RowFiller {
 
 }  // namespace
 
-bool GivenTargets::can_be_reread() const {
-  std::error_code error;
-  return text != "-" && !std::filesystem::is_other(text, error);
-}
-
 /// Reads rows one after another, from blocks that are parsed in parallel.
 class RowReader {
  public:
@@ -273,16 +267,12 @@ class RowReader {
 
   /// Throws an Error of the rows from this one on as a whole.
   [[noreturn]] void fail(std::uint64_t number, const Error::Parts& parts) const {
-    throw Error({.file = name_,
-                 .location = source_ == Source::text    ? fmt::format("{}:1", number)
-                             : source_ == Source::array ? fmt::format(" row {}", number)
-                                                        : "",
-                 .problem = parts.problem,
-                 .expected = parts.expected,
-                 .found = parts.found});
+    Line{.source = name_, .kind = source_, .number = number}.fail(0, parts.problem, parts.expected,
+                                                                  parts.found);
   }
 
  private:
+  static constexpr int k_wait_milliseconds = 100;
   static constexpr std::size_t k_block_bytes = 1 << 20, k_block_rows = 1 << 14, k_rows_at_once = 512;
 
   void open(const std::string& name) {
@@ -324,6 +314,10 @@ class RowReader {
     waiting_.resize(before + k_block_bytes);
     while (have < waiting_.size()) {
       if (stops_ && stops_()) throw Cancelled();
+      // The signal that stops the job may reach another thread than this one.
+      pollfd input{.fd = descriptor_.number(), .events = POLLIN, .revents = 0};
+      const int ready = ::poll(&input, 1, k_wait_milliseconds);
+      if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
       const ::ssize_t count = ::read(descriptor_.number(), waiting_.data() + have, waiting_.size() - have);
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) throw system_error(name_, "cannot read the file");
@@ -434,14 +428,14 @@ double value_or(double given, const std::optional<double>& option, double usual)
 }
 
 template <class Target>
-Target made(std::span<const double> row, const DefaultInterval& interval) {
+Target made(std::span<const double> row, const CheckedQuery& query) {
   if constexpr (std::is_same_v<Target, Ray>) {
-    return make_ray(vector_at(row, 0), vector_at(row, 3), value_or(row[6], interval.t_min, -k_infinity),
-                    value_or(row[7], interval.t_max, k_infinity));
+    return make_ray(vector_at(row, 0), vector_at(row, 3), value_or(row[6], query.t_min, -k_infinity),
+                    value_or(row[7], query.t_max, k_infinity));
   } else if constexpr (std::is_same_v<Target, Cone>) {
     const double half_angle = row[6] * (std::acos(-1.0) / 180.0);
     return make_cone(vector_at(row, 0), vector_at(row, 3), half_angle, value_or(row[7], {}, 0.0),
-                     value_or(row[8], interval.t_min, 0.0), value_or(row[9], interval.t_max, k_infinity));
+                     value_or(row[8], query.t_min, 0.0), value_or(row[9], query.t_max, k_infinity));
   } else if constexpr (std::is_same_v<Target, Bounds>) {
     return {vector_at(row, 0), vector_at(row, 3)};
   } else {
@@ -462,9 +456,9 @@ auto made_of_row(const RowReader& rows, std::uint64_t number, const Make& make) 
 }  // namespace
 
 template <class Target>
-TargetReader<Target>::TargetReader(const GivenTargets& given, TargetFamily family,
-                                   const DefaultInterval& interval, const std::function<bool()>& stops)
-    : rows_(std::make_unique<RowReader>(given, target_kind(family), stops)), interval_(interval) {}
+TargetReader<Target>::TargetReader(const CheckedQuery& query, const std::function<bool()>& stops)
+    : rows_(std::make_unique<RowReader>(query.given_targets(), target_kind(query.family), stops)),
+      query_(query) {}
 
 template <class Target>
 TargetReader<Target>::~TargetReader() = default;
@@ -511,8 +505,7 @@ void TargetReader<Target>::take_row(std::span<const double> row, TargetBatch<Tar
                                     [&] { return make_plane(vector_at(row, 0), vector_at(row, 3)); }));
     }
   } else {
-    batch.targets.push_back(
-        made_of_row(*rows_, rows_->number(), [&] { return made<Target>(row, interval_); }));
+    batch.targets.push_back(made_of_row(*rows_, rows_->number(), [&] { return made<Target>(row, query_); }));
     batch.ids.push_back(next_id_++);
   }
 }
@@ -523,8 +516,7 @@ void TargetReader<Target>::end_group(TargetBatch<Target>& batch) {
     if (!group_) return;
     if constexpr (std::is_same_v<Target, Path>) {
       batch.targets.push_back(made_of_row(*rows_, group_line_, [&] {
-        return make_path(vertices_, interval_.t_min.value_or(-k_infinity),
-                         interval_.t_max.value_or(k_infinity));
+        return make_path(vertices_, query_.t_min.value_or(-k_infinity), query_.t_max.value_or(k_infinity));
       }));
       vertices_.clear();
     } else {

@@ -9,28 +9,14 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "base/bounds.h"
 #include "base/parallel.h"
-#include "jobs/query/target_kind.h"
+#include "jobs/query/query.h"
 #include "octree/targets.h"
 
 namespace alidade::jobs {
-
-/// How targets of one family were given: in one of these ways.
-struct GivenTargets {
-  std::string text{};                 ///< a file of CSV or JSON lines; "-" is standard input
-  std::vector<std::string> values{};  ///< the columns of the kind, one row each
-  /// A value for every column of the kind, row after row, maybe of no row; NaN where an optional one is not
-  /// given.
-  std::optional<std::span<const double>> rows{};
-
-  bool empty() const { return text.empty() && values.empty() && !rows; }
-  /// Whether they can be read twice: they come neither through standard input nor through a pipe.
-  bool can_be_reread() const;
-};
 
 /// Some targets and their ids in answers.
 template <class Target>
@@ -39,25 +25,20 @@ struct TargetBatch {
   std::vector<std::uint64_t> ids;
 };
 
-/// The interval on t of targets without their own; empty: the target's usual one.
-struct DefaultInterval {
-  std::optional<double> t_min, t_max;
-};
-
 class RowReader;
 
-/// Reads targets of a family, whose geometry is Target, in their order and once. A row is a Ray, Cone, Bounds
-/// or glm::dvec3, whose id is its number, from 0. Of HalfSpaces a row is a plane, of Path a vertex: rows with
-/// the same `region` or `path` number, which is the id, are one target (all of them if there is no such
-/// column). Texts are CSV with a header of column names in any order, or JSON lines: objects with column
+/// Reads the targets of a query, whose geometry is Target, in their order and once. A row is a Ray, Cone,
+/// Bounds or glm::dvec3, whose id is its number, from 0. Of HalfSpaces a row is a plane, of Path a vertex:
+/// rows with the same `region` or `path` number, which is the id, are one target (all of them if there is no
+/// such column). Texts are CSV with a header of column names in any order, or JSON lines: objects with column
 /// names as keys, or arrays in the kind's order. Rows are parsed in parallel. Memory: some mebibytes.
 template <class Target>
 class TargetReader {
  public:
-  /// Reads the first rows. `given` must outlive the reader; `stops`: whether to stop waiting for a pipe.
-  /// Errors: the text cannot be opened, is empty, or its header is wrong.
-  TargetReader(const GivenTargets& given, TargetFamily family, const DefaultInterval& interval,
-               const std::function<bool()>& stops = {});
+  /// Reads the first rows. `query`, whose interval is that of targets without their own, must outlive the
+  /// reader; `stops`: whether to stop waiting for a pipe. Errors: the text cannot be opened, is empty, or its
+  /// header is wrong.
+  explicit TargetReader(const CheckedQuery& query, const std::function<bool()>& stops = {});
   ~TargetReader();
 
   /// Reads at most `most` targets; false at the end. Reports the first error with source, line and column:
@@ -73,7 +54,7 @@ class TargetReader {
   void end_group(TargetBatch<Target>& batch);
 
   std::unique_ptr<RowReader> rows_;
-  DefaultInterval interval_;
+  const CheckedQuery& query_;
   std::uint64_t next_id_ = 0;  ///< of the next row
   // The group that is being read.
   std::optional<std::uint64_t> group_;

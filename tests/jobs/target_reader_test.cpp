@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "jobs/query/targets.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+
+#include "base/input_file.h"
+#include "base/progress.h"
 
 namespace alidade::test {
 
@@ -18,6 +22,13 @@ class TargetReaderTest : public ::testing::Test {
     file_ = std::filesystem::temp_directory_path() / ("alidade_targets_" + std::to_string(::getpid()));
   }
   void TearDown() override { std::filesystem::remove(file_); }
+
+  static jobs::CheckedQuery query(jobs::TargetFamily family, jobs::GivenTargets given) {
+    jobs::CheckedQuery query;
+    query.family = family;
+    query.given(family) = std::move(given);
+    return query;
+  }
 
   /// A text of so many rows, all of the same length.
   jobs::GivenTargets rows(const std::string& header, const std::string& row, int count) {
@@ -33,8 +44,8 @@ class TargetReaderTest : public ::testing::Test {
 
 TEST_F(TargetReaderTest, share_follows_the_targets_given_out_in_small_texts_and_large_ones) {
   for (const int count : {1000, 500000}) {
-    const jobs::GivenTargets given = rows("x,y,z\n", "1,2,3\n", count);
-    jobs::TargetReader<glm::dvec3> reader(given, jobs::TargetFamily::points, {});
+    const jobs::CheckedQuery given = query(jobs::TargetFamily::points, rows("x,y,z\n", "1,2,3\n", count));
+    jobs::TargetReader<glm::dvec3> reader(given);
     jobs::TargetBatch<glm::dvec3> batch;
     for (int part = 1; part <= 10; ++part) {
       ASSERT_TRUE(reader.next(static_cast<std::size_t>(count / 10), batch));
@@ -50,8 +61,9 @@ TEST_F(TargetReaderTest, share_of_regions_follows_their_planes) {
   for (int region = 10; region < 20; ++region) {
     for (int plane = 0; plane < 6; ++plane) text += "1,2,3,0,0,1," + std::to_string(region) + "\n";
   }
-  const jobs::GivenTargets given = rows("px,py,pz,nx,ny,nz,region\n", text, 1);
-  jobs::TargetReader<HalfSpaces> reader(given, jobs::TargetFamily::planes, {});
+  const jobs::CheckedQuery given =
+      query(jobs::TargetFamily::planes, rows("px,py,pz,nx,ny,nz,region\n", text, 1));
+  jobs::TargetReader<HalfSpaces> reader(given);
   jobs::TargetBatch<HalfSpaces> batch;
   ASSERT_TRUE(reader.next(5, batch));
   EXPECT_EQ(batch.targets.size(), 5u);
@@ -60,8 +72,8 @@ TEST_F(TargetReaderTest, share_of_regions_follows_their_planes) {
 }
 
 TEST_F(TargetReaderTest, share_is_not_known_of_what_is_no_file) {
-  const jobs::GivenTargets given{.values = {"1,2,3", "4,5,6"}};
-  jobs::TargetReader<glm::dvec3> reader(given, jobs::TargetFamily::points, {});
+  const jobs::CheckedQuery given = query(jobs::TargetFamily::points, {.values = {"1,2,3", "4,5,6"}});
+  jobs::TargetReader<glm::dvec3> reader(given);
   jobs::TargetBatch<glm::dvec3> batch;
   ASSERT_TRUE(reader.next(1, batch));
   EXPECT_EQ(reader.share(), 0.0);
@@ -70,8 +82,8 @@ TEST_F(TargetReaderTest, share_is_not_known_of_what_is_no_file) {
 TEST_F(TargetReaderTest, numbers_are_read_like_texts_and_their_share_is_known) {
   std::vector<double> rows;
   for (int i = 0; i < 50000; ++i) rows.insert(rows.end(), {1.0 * i, 0.5, -2.0});
-  const jobs::GivenTargets given{.rows = rows};
-  jobs::TargetReader<glm::dvec3> reader(given, jobs::TargetFamily::points, {});
+  const jobs::CheckedQuery given = query(jobs::TargetFamily::points, {.rows = rows});
+  jobs::TargetReader<glm::dvec3> reader(given);
   jobs::TargetBatch<glm::dvec3> batch;
   for (int part = 0; part < 5; ++part) {
     ASSERT_TRUE(reader.next(10000, batch));
@@ -87,9 +99,15 @@ TEST_F(TargetReaderTest, pipes_and_standard_input_are_read_once) {
   EXPECT_TRUE(rows("x,y,z\n", "1,2,3\n", 1).can_be_reread());
   EXPECT_TRUE((jobs::GivenTargets{.values = {"1,2,3"}}).can_be_reread());
   std::filesystem::remove(file_);
-  EXPECT_TRUE((jobs::GivenTargets{.text = file_.string()}).can_be_reread());  // an error as often as it is read
+  EXPECT_TRUE(
+      (jobs::GivenTargets{.text = file_.string()}).can_be_reread());  // an error as often as it is read
   ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
-  EXPECT_FALSE((jobs::GivenTargets{.text = file_.string()}).can_be_reread());
+  const jobs::CheckedQuery piped = query(jobs::TargetFamily::points, {.text = file_.string()});
+  EXPECT_FALSE(piped.given_targets().can_be_reread());
+  // Nothing comes, and no signal reaches this thread.
+  const FileDescriptor writer(file_.string(), O_RDWR);
+  int questions = 0;
+  EXPECT_THROW(jobs::TargetReader<glm::dvec3>(piped, [&] { return ++questions > 1; }), Cancelled);
   // Even beside a file of this name.
   const std::filesystem::path before = std::filesystem::current_path();
   const std::filesystem::path folder = file_.string() + ".folder";

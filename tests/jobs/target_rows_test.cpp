@@ -27,8 +27,10 @@ class TargetRowsTest : public ::testing::Test {
   template <class Target>
   std::vector<Target> read(const std::string& text, jobs::TargetFamily family) {
     std::ofstream(file_, std::ios::binary) << text;
-    const jobs::GivenTargets given{.text = file_.string()};
-    jobs::TargetReader<Target> reader(given, family, {});
+    jobs::CheckedQuery query;
+    query.family = family;
+    query.given(family).text = file_.string();
+    jobs::TargetReader<Target> reader(query);
     std::vector<Target> targets;
     for (jobs::TargetBatch<Target> batch; reader.next(100, batch);)
       targets.insert(targets.end(), batch.targets.begin(), batch.targets.end());
