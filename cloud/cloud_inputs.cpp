@@ -261,8 +261,7 @@ bool CloudInput::is_changed() const {
 
 bool CloudInput::changes_heights() const {
   return view != nullptr && view->has_one_unit &&
-         view->change_of(*this, open_stored_cloud(*this, file(), Damage::read_over)->facts()).height_factor !=
-             1.0;
+         view->change_of(*this, open_stored_cloud(*this, Damage::read_over)->facts()).height_factor != 1.0;
 }
 
 std::vector<fs::path> CloudInputs::names() const {

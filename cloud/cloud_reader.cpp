@@ -2,6 +2,7 @@
 #include "cloud/cloud_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "base/text_scanner.h"
 #include "cloud/catalog.h"
 #include "cloud/input_view.h"
+#include "cloud/point_table.h"
 #include "cloud/rows.h"
 
 namespace alidade {
@@ -40,9 +42,28 @@ std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& la
   return Bounds{stated.min - margin, stated.max + margin};
 }
 
-std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFile file, Damage damage) {
+glm::dvec3 FileFacts::resolution(const Bounds& bounds) const {
+  glm::dvec3 result(0.0);
+  for (int axis = 0; axis < 3 && !bounds.empty(); ++axis) {
+    const double largest = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
+    if (const auto type = coordinate_types[static_cast<std::size_t>(axis)])
+      result[axis] = type_resolution(*type, largest);
+  }
+  return result;
+}
+
+FileRead CloudReader::read_rows(std::uint64_t taken, std::uint64_t dropped,
+                                std::vector<LostPoints> lost) const {
+  FileRead done{.files = {facts_.file}, .lost = std::move(lost)};
+  done.files.front().point_count = taken;
+  done.files.front().dropped_count = dropped;
+  return done;
+}
+
+std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, Damage damage) {
   constexpr std::size_t k_start_bytes = 4096;
   constexpr const char* k_supported = "LAS, LAZ, PLY, PCD, E57, PTX, PTS, CSV, XYZ or an index file";
+  InputFile file = input.file();
   if (input.format != nullptr) {
     const std::vector<std::string> columns = input.view ? input.view->columns : std::vector<std::string>();
     if (columns.empty()) return input.format->open(std::move(file), damage);
@@ -57,15 +78,13 @@ std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFil
       {.file = file.name(), .problem = "unknown format", .expected = k_supported, .found = "binary data"});
 }
 
-std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
-  std::unique_ptr<CloudReader> reader = open_stored_cloud(input, std::move(file), damage);
-  if (damage == Damage::reject) {
-    // An invalid box in the header is ignored.
-    const bool has_box = reader->facts().box.has_value();
-    check_stated(input, reader->point_count(), has_box ? reader->file().stated_bounds : std::nullopt);
-  }
+std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, Damage damage) {
+  std::unique_ptr<CloudReader> reader = open_stored_cloud(input, damage);
+  const FileFacts& facts = reader->facts();
+  if (damage == Damage::reject)
+    check_stated(input, facts.point_count, facts.box ? facts.file.stated_bounds : std::nullopt);
   if (!input.view) return reader;
-  ReferenceChange change = input.view->change_of(input, reader->facts());
+  ReferenceChange change = input.view->change_of(input, facts);
   if (!input.is_changed() && change.height_factor == 1.0) return reader;
   return open_view(std::move(reader), input.view, std::move(change), damage);
 }

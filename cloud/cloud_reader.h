@@ -79,8 +79,20 @@ class RowsToFill {
   std::uint64_t left_;  ///< rows that have not been made yet
 };
 
-/// What a file states about all of its points.
+/// What a file states, before its points are read.
 struct FileFacts {
+  CloudFile file{};  ///< with the number of points that the header states, if any
+  /// The files that the points come from, if they are others, as those that an index file was made of.
+  std::vector<CloudFile> sources{};
+  std::uint64_t bytes = 0;  ///< of the file; 0 for a table of a server
+  std::uint64_t work = 0;   ///< of a pass, in bytes, if it is more than `bytes`
+  AttributeSet attributes{};
+  std::optional<Lattice> lattice{};  ///< the file's own (LAS); empty for formats of free coordinates
+  /// Number of points that reading appends, if known without a pass (LAS), already checked against the file's
+  /// size. With Damage::read_over an upper bound: lost points have no rows.
+  std::optional<std::uint64_t> point_count{};
+  /// Types of the numbers that state x, y and z; empty if they are unknown, or if nothing is lost.
+  std::array<std::optional<ScalarType>, 3> coordinate_types{};
   Crs crs{};
   std::string heights_note{};  ///< how heights were converted (HeightChange::note); empty: they were not
   std::optional<bool> gps_time_is_standard{};  ///< as in PointCloud; empty if the format has no such mark
@@ -89,11 +101,27 @@ struct FileFacts {
   /// Box of all points, world coordinates: widened_header_box(). Empty if the header states none, or an
   /// invalid one.
   std::optional<Bounds> box{};
+
+  /// `sources`, or else the file.
+  std::vector<CloudFile> source_files() const { return sources.empty() ? std::vector{file} : sources; }
+  /// The resolution of coordinate_types for coordinates within these bounds (CoordinateSurvey::resolution); 0
+  /// if it is unknown, or if nothing is lost.
+  glm::dvec3 resolution(const Bounds& bounds) const;
 };
 
 /// The largest channels of some colours, as stored in the file.
 struct LargestColors {
   int color = 0, near_infrared = 0;
+};
+
+/// What reading has made of the points of a file.
+struct FileRead {
+  /// FileFacts::source_files() with the points that were taken, dropped and left out.
+  std::vector<CloudFile> files;
+  /// The points that could not be read, by their locations in the order of the file; each point once. Empty
+  /// with Damage::reject.
+  std::vector<LostPoints> lost{};
+  LargestColors left_out_colors{};  ///< of points that were read, and left out by a selection
 };
 
 /// The box that a header states, enlarged because programs round it: by 8 steps of the lattice, or a
@@ -107,73 +135,40 @@ class CloudReader {
  public:
   virtual ~CloudReader() = default;
 
-  /// Format, version, point format. point_count is final after read().
-  virtual const CloudFile& file() const = 0;
+  /// What is known before the points are read. survey() may correct attributes and work.
+  const FileFacts& facts() const { return facts_; }
 
-  /// The files that the points come from: this one, or those an index file was made of.
-  virtual std::vector<CloudFile> sources() const { return {file()}; }
-
-  /// The attributes of the file.
-  virtual AttributeSet attributes() const = 0;
-
-  /// The file's own lattice (LAS); empty for formats of free coordinates.
-  virtual std::optional<Lattice> lattice() const { return std::nullopt; }
-
-  /// What the header states, so that files can be compared before any is read.
-  virtual FileFacts facts() const { return {}; }
-
-  /// The resolution of the file's own numbers for coordinates within these bounds
-  /// (CoordinateSurvey::resolution); 0 if it is unknown, or if nothing is lost.
-  virtual glm::dvec3 resolution(const Bounds&) const { return glm::dvec3(0.0); }
-
-  /// Number of points that read() will append, if known without a pass (LAS), already checked against the
-  /// file's size. With Damage::read_over an upper bound: lost points have no rows.
-  virtual std::optional<std::uint64_t> point_count() const { return std::nullopt; }
-
-  /// The work of a pass, in bytes, if the points are not in a file that has a size; 0 for files.
-  virtual std::uint64_t work() const { return 0; }
-
-  /// First pass, for readers without a lattice only. `progress` is in bytes, or in units of work().
+  /// First pass, for files without a lattice only. `progress` is in bytes, or in units of FileFacts::work.
   virtual CoordinateSurvey survey(const Progress&) { return {}; }
 
-  /// Appends the file's points to `cloud`, whose lattice is set and, if lattice() is not empty, differs from
-  /// it by a whole number of steps. Keeps only `wanted` attributes; columns that the file has and the cloud
+  /// Appends the file's points to `cloud`, whose lattice is set and, if the file has one, differs from that
+  /// by a whole number of steps. Keeps only `wanted` attributes; columns that the file has and the cloud
   /// lacks are first filled with zeros up to the cloud's size, and columns that the cloud has and the file
-  /// lacks get zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings
-  /// are added to `cloud` by this call; facts() and file() by the caller. The call does not depend on the
-  /// cloud's other contents: it may have the files before this one or be a piece of its own. See
-  /// cloud/rows.h.
-  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
-    read_in_pieces(cloud, wanted, {}, progress);
-  }
-
-  /// read() with a cloud whose points are handed over in pieces. Memory: a piece; for LAZ some 64 MB of
-  /// records (or its largest chunk unpacked); for compressed PCD all its points.
-  virtual void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                              const Progress& progress) = 0;
-
-  /// The points that the last read() could not read, by their locations in the order of the file; each point
-  /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with
-  /// Damage::reject.
-  virtual std::vector<LostPoints> lost() const { return {}; }
-
-  /// Colours of points that the last read() has read and left out by a selection.
-  virtual LargestColors left_out_colors() const { return {}; }
+  /// lacks get zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings,
+  /// but none about lost points, are added to `cloud` by this call; facts and files by the caller. The call
+  /// does not depend on the cloud's other contents: it may have the files before this one or be a piece of
+  /// its own. See cloud/rows.h. Memory: with `pieces`, a piece; for LAZ some 64 MB of records (or its largest
+  /// chunk unpacked); for compressed PCD all its points.
+  virtual FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                        const Progress& progress) = 0;
 
   /// Releases file handle and buffers (InputFile::rest) until the next call that needs them; called while
   /// other files of a large set are read.
   virtual void rest() {}
+
+ protected:
+  /// The result for a file that is its own source.
+  FileRead read_rows(std::uint64_t taken, std::uint64_t dropped = 0, std::vector<LostPoints> lost = {}) const;
+
+  FileFacts facts_;
 };
 
 /// Opens a cloud by its format, as changed by its view. Errors: it cannot be read; it is empty or of an
 /// unknown format; names of columns are given for another format than text.
-std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage);
-inline std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, Damage damage = Damage::reject) {
-  return open_cloud(input, input.file(), damage);
-}
+std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, Damage damage = Damage::reject);
 
 /// open_cloud() without the selection and the change of positions of the view.
-std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFile file, Damage damage);
+std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, Damage damage);
 
 /// One function per format, in read_<format>.cpp. Errors: the content is not of that format.
 std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage = Damage::reject);

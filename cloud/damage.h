@@ -13,7 +13,7 @@ namespace alidade {
 /// What a reader does if a file is damaged behind a valid header.
 enum class Damage {
   reject,     ///< throws DamagedFile at the first damage
-  read_over,  ///< leaves out unreadable points and reports them in CloudReader::lost()
+  read_over,  ///< leaves out unreadable points and reports them in FileRead::lost
 };
 
 /// Points of a damaged file that cannot be read.

@@ -5,7 +5,6 @@
 #include <array>
 #include <glm/common.hpp>
 #include <iterator>
-#include <numeric>
 #include <utility>
 
 #include "base/error.h"
@@ -40,13 +39,11 @@ class ViewReader final : public CloudReader {
  public:
   ViewReader(std::unique_ptr<CloudReader> inner, std::shared_ptr<const InputView> view,
              ReferenceChange change, Damage damage)
-      : inner_(std::move(inner)),
-        view_(std::move(view)),
-        facts_(inner_->facts()),
-        change_(std::move(change)) {
+      : inner_(std::move(inner)), view_(std::move(view)), change_(std::move(change)) {
+    facts_ = inner_->facts();
     facts_.crs = change_.crs;
     facts_.heights_note = change_.heights_note;
-    if (change_.height_factor != 1.0 && (change_.move || !inner_->lattice())) {
+    if (change_.height_factor != 1.0 && (change_.move || !facts_.lattice)) {
       only_heights_ = !change_.move;
       change_.move = [factor = std::exchange(change_.height_factor, 1.0),
                       move = std::move(change_.move)](std::span<glm::dvec3> positions) {
@@ -54,69 +51,38 @@ class ViewReader final : public CloudReader {
         if (move) move(positions);
       };
     }
+    stretch(facts_.file.stated_bounds);
     stretch(facts_.box);
-    sources_ = inner_->sources();
-    left_.resize(sources_.size());
-    const PointSelection& selection = view_->selection;
-    is_outside_ = damage == Damage::reject && selection.box && facts_.box && inner_->lattice() &&
-                  !meet(*selection.box, *facts_.box);
-    take_over_file();
+    const std::optional<Bounds>& wanted = view_->selection.box;
+    is_outside_ =
+        damage == Damage::reject && wanted && facts_.box && facts_.lattice && !meet(*wanted, *facts_.box);
+    if (facts_.lattice) {
+      facts_.lattice->scale.z *= change_.height_factor;
+      facts_.lattice->offset.z *= change_.height_factor;
+    }
+    if (change_.move) {
+      facts_.lattice.reset();
+      facts_.point_count.reset();
+      facts_.coordinate_types = {};
+    }
+    if (is_outside_) facts_.point_count = 0;
+    left_.resize(std::max<std::size_t>(facts_.sources.size(), 1));
   }
 
-  const CloudFile& file() const override { return file_; }
-  std::vector<CloudFile> sources() const override {
-    std::vector<CloudFile> sources = inner_->sources();
-    for (std::size_t i = 0; i < sources.size(); ++i) {
-      sources[i].left_out_count = sources.size() == 1 ? left_out_ : sources[i].point_count - left_[i];
-      sources[i].point_count = left_[i];
-      stretch(sources[i].stated_bounds);
-    }
-    sources.front().dropped_count += dropped_;
-    return sources;
-  }
-  AttributeSet attributes() const override { return inner_->attributes(); }
-  std::optional<Lattice> lattice() const override {
-    return change_.move ? std::nullopt : stretched(inner_->lattice());
-  }
-  FileFacts facts() const override { return facts_; }
-  glm::dvec3 resolution(const Bounds& bounds) const override {
-    return change_.move ? glm::dvec3(0.0) : inner_->resolution(bounds);
-  }
-  std::optional<std::uint64_t> point_count() const override {
-    if (is_outside_) return 0;
-    return change_.move ? std::nullopt : inner_->point_count();
-  }
-  std::uint64_t work() const override { return inner_->work(); }
-  std::vector<LostPoints> lost() const override { return inner_->lost(); }
   void rest() override { inner_->rest(); }
-  LargestColors left_out_colors() const override { return largest_; }
 
   CoordinateSurvey survey(const Progress& progress) override {
-    if (!change_.move) return inner_->survey(progress);
-    CoordinateSurvey survey;
-    survey.dropped_count = inner_->lattice() ? 0 : survey_own().dropped_count;
-    for_each_position_block(progress, [&](std::span<glm::dvec3> positions) {
-      if (survey.finite_count == 0 && !positions.empty()) survey.resolution = resolution_at(positions[0]);
-      change_.move(positions);
-      for (const glm::dvec3& position : positions) {
-        if (is_finite(position)) {
-          survey.bounds.grow(position);
-          ++survey.finite_count;
-        } else {
-          ++survey.dropped_count;
-        }
-      }
-    });
-    dropped_ = survey.dropped_count;
+    const CoordinateSurvey survey = change_.move ? survey_moved(progress) : inner_->survey(progress);
+    facts_.attributes = inner_->facts().attributes;
     return survey;
   }
 
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override {
+  FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                const Progress& progress) override {
     std::ranges::copy(change_.warnings, std::back_inserter(cloud.warnings));
     if (is_outside_) {
-      left_out_ = inner_->point_count().value_or(0);
-      return take_over_file();
+      left_out_ = inner_->facts().point_count.value_or(0);
+      return selected({.files = inner_->facts().source_files()});
     }
     const PointSelection& selection = view_->selection;
     AttributeSet needed = wanted;
@@ -133,7 +99,7 @@ class ViewReader final : public CloudReader {
                                    hand_over(part, cloud, wanted, pieces);
                                    part.lattice = own;
                                  }};
-    inner_->read_in_pieces(piece, needed, own_pieces, progress);
+    FileRead done = inner_->read(piece, needed, own_pieces, progress);
     own_pieces.take(piece);
     // The facts of the file beside its points.
     piece.lattice = cloud.lattice;
@@ -145,28 +111,54 @@ class ViewReader final : public CloudReader {
       scanner.axes.reset();  // the other system has another north
     }
     append_cloud(cloud, std::move(piece));
-    take_over_file();
+    return selected(std::move(done));
   }
 
  private:
+  std::string name() const { return facts_.file.path.string(); }
+
+  CoordinateSurvey survey_moved(const Progress& progress) {
+    CoordinateSurvey survey;
+    survey.dropped_count = inner_->facts().lattice ? 0 : survey_own().dropped_count;
+    for_each_position_block(progress, [&](std::span<glm::dvec3> positions) {
+      if (survey.finite_count == 0 && !positions.empty()) survey.resolution = resolution_at(positions[0]);
+      change_.move(positions);
+      for (const glm::dvec3& position : positions) {
+        if (is_finite(position)) {
+          survey.bounds.grow(position);
+          ++survey.finite_count;
+        } else {
+          ++survey.dropped_count;
+        }
+      }
+    });
+    dropped_ = survey.dropped_count;
+    return survey;
+  }
+
+  /// What was read, after the selection.
+  FileRead selected(FileRead done) const {
+    for (std::size_t i = 0; i < done.files.size(); ++i) {
+      CloudFile& file = done.files[i];
+      file.left_out_count = left_.size() == 1 ? left_out_ : file.point_count - left_[i];
+      file.point_count = left_[i];
+      stretch(file.stated_bounds);
+    }
+    done.files.front().dropped_count += dropped_;
+    done.left_out_colors = largest_;
+    return done;
+  }
+
   /// The lattice that the positions have before they move.
   Lattice own_lattice() {
-    if (const auto lattice = inner_->lattice()) return *lattice;
+    if (const auto& lattice = inner_->facts().lattice) return *lattice;
     const CoordinateSurvey survey = survey_own();
-    return with_file(inner_->file().path.string(), [&] { return fit_lattice(std::span(&survey, 1)); });
+    return with_file(name(), [&] { return fit_lattice(std::span(&survey, 1)); });
   }
 
   const CoordinateSurvey& survey_own() {
     if (!own_survey_) own_survey_ = inner_->survey({});
     return *own_survey_;
-  }
-
-  /// The lattice of a file after its heights are multiplied.
-  std::optional<Lattice> stretched(std::optional<Lattice> lattice) const {
-    if (!lattice) return lattice;
-    lattice->scale.z *= change_.height_factor;
-    lattice->offset.z *= change_.height_factor;
-    return lattice;
   }
 
   /// Changes a box of positions to that of the changed positions; empty, as unknown, if they move.
@@ -189,7 +181,7 @@ class ViewReader final : public CloudReader {
                                part.positions.clear();
                                visit(std::span(positions));
                              }};
-    inner_->read_in_pieces(piece, AttributeSet(), pieces, progress);
+    inner_->read(piece, AttributeSet(), pieces, progress);
     pieces.take(piece);
   }
 
@@ -214,7 +206,7 @@ class ViewReader final : public CloudReader {
   /// Moves a part of the file to the cloud's lattice; removes rows without an image.
   void move_rows(PointCloud& part, const Lattice& lattice) const {
     if (change_.height_factor != 1.0) {
-      const LatticeShift shift(*this->lattice(), lattice, file_.path.string());
+      const LatticeShift shift(*facts_.lattice, lattice, name());
       for (LatticePosition& position : part.positions) position = shift(position);
       part.lattice = lattice;
     }
@@ -246,7 +238,7 @@ class ViewReader final : public CloudReader {
     if (selection.polygons) crop(part, polygons());
     if (selection.condition && part.size() > 0) {
       std::vector<std::uint8_t> marks(part.size(), 1);
-      with_file(inner_->file().path.string(), [&] { selection.condition(part, marks); });
+      with_file(name(), [&] { selection.condition(part, marks); });
       keep_rows(part, marks);
     }
     left_out_ += before - part.size();
@@ -256,7 +248,7 @@ class ViewReader final : public CloudReader {
 
   void keep_classes(PointCloud& part, const std::bitset<256>& classes) const {
     if (part.classifications.empty())
-      throw file_error(inner_->file().path, "cannot select by class: the file has no classification",
+      throw file_error(facts_.file.path, "cannot select by class: the file has no classification",
                        "a classified cloud");
     std::vector<std::uint8_t> marks(part.size());
     for (std::size_t row = 0; row < part.size(); ++row)
@@ -271,7 +263,7 @@ class ViewReader final : public CloudReader {
 
   /// The sources of the next rows, with their numbers of rows.
   std::vector<CloudFile> sources_of(std::size_t count) {
-    std::vector<CloudFile> files(sources_.size());
+    std::vector<CloudFile> files(left_.size());
     if (files.size() == 1) {
       files[0].point_count = count;
       return files;
@@ -279,7 +271,7 @@ class ViewReader final : public CloudReader {
     std::uint64_t end = 0;
     const std::uint64_t first = std::exchange(next_row_, next_row_ + count);
     for (std::size_t i = 0; i < files.size(); ++i) {
-      const std::uint64_t begin = std::exchange(end, end + sources_[i].point_count);
+      const std::uint64_t begin = std::exchange(end, end + facts_.sources[i].point_count);
       const std::uint64_t from = std::max(begin, first), to = std::min(end, next_row_);
       files[i].point_count = to > from ? to - from : 0;
     }
@@ -294,27 +286,16 @@ class ViewReader final : public CloudReader {
     if (rows.size() > 0) append_cloud(cloud, std::move(rows));
   }
 
-  void take_over_file() {
-    file_ = inner_->file();
-    file_.dropped_count += dropped_;
-    file_.left_out_count = left_out_;
-    file_.point_count = std::accumulate(left_.begin(), left_.end(), std::uint64_t{0});
-    stretch(file_.stated_bounds);
-  }
-
   std::unique_ptr<CloudReader> inner_;
   std::shared_ptr<const InputView> view_;
-  FileFacts facts_;
   ReferenceChange change_;
-  bool is_outside_ = false;  ///< no point can be in the selection's box
-  std::vector<CloudFile> sources_;
+  bool is_outside_ = false;          ///< no point can be in the selection's box
   std::vector<std::uint64_t> left_;  ///< selected points, of each source
   LargestColors largest_;            ///< of all points
   std::uint64_t left_out_ = 0, dropped_ = 0, next_row_ = 0;
   bool only_heights_ = false;  ///< of a file without a lattice are multiplied, and nothing else moves
   std::optional<CoordinateSurvey> own_survey_;
   std::optional<std::vector<PlanePolygon>> polygons_;
-  CloudFile file_;
 };
 
 }  // namespace

@@ -3,16 +3,13 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <algorithm>
 #include <array>
-#include <filesystem>
 #include <glm/common.hpp>
 #include <map>
 #include <set>
-#include <string>
 #include <system_error>
-#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "cloud/crs.h"
@@ -26,7 +23,7 @@ std::string text_of(const glm::dvec3& value) {
 }
 
 bool has_lattice(const CloudSource& source) {
-  return source.has_lattice;
+  return source.has_lattice();
 }
 
 bool has_crs(const CloudSource& source) {
@@ -35,7 +32,7 @@ bool has_crs(const CloudSource& source) {
 
 /// The first source that has a property which all must share: one with points, if there is any.
 template <class Has>
-const CloudSource* first_that_binds(const std::vector<CloudSource>& sources, const Has& has) {
+const CloudSource* first_that_binds(std::span<const CloudSource> sources, const Has& has) {
   const CloudSource* first = nullptr;
   for (const CloudSource& source : sources) {
     if (!has(source) || (first && (first->point_count() > 0 || source.point_count() == 0))) continue;
@@ -60,24 +57,99 @@ class ComparedSystems {
   std::vector<std::pair<const Crs*, CrsAgreement>> known_;
 };
 
+Lattice common_lattice(std::span<const CloudSource> sources) {
+  const CloudSource* const first = first_that_binds(sources, has_lattice);
+  if (!first) {
+    std::vector<CoordinateSurvey> surveys;
+    for (const CloudSource& source : sources) surveys.push_back(source.survey);
+    const auto reach = [](const CloudSource& source) {
+      const Bounds& bounds = source.survey.bounds;
+      const glm::dvec3 most = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
+      return bounds.empty() ? 0.0 : std::max({most.x, most.y, most.z});
+    };
+    const auto farthest = std::ranges::max_element(sources, {}, reach);
+    return with_file(farthest == sources.end() ? "" : farthest->name(), [&] { return fit_lattice(surveys); });
+  }
+  std::vector<Lattice> lattices = {*first->facts.lattice};
+  Bounds bounds;
+  for (const CloudSource& source : sources) {
+    if (source.point_count() == 0) continue;
+    bounds.grow(source.has_lattice() ? source.facts.box.value_or(Bounds()) : source.survey.bounds);
+    if (source.has_lattice()) lattices.push_back(*source.facts.lattice);
+  }
+  const Lattice lattice = joined_lattice(lattices, bounds);
+  for (const CloudSource& source : sources) {
+    if (source.has_lattice() || source.point_count() == 0) continue;
+    const Bounds& own = source.survey.bounds;
+    if (to_lattice(lattice, own.min) && to_lattice(lattice, own.max)) continue;
+    throw Error({.file = source.name(),
+                 .problem = "too far away for the lattice of " + first->name(),
+                 .found = fmt::format("a box from {} to {}", text_of(own.min), text_of(own.max))});
+  }
+  return lattice;
+}
+
 [[noreturn]] void reject_crs(const CloudSource& odd, const CloudSource& other) {
-  throw file_error(odd.path(),
-                   "the coordinate reference system differs from that of " + other.path().string(),
+  throw file_error(odd.facts.file.path,
+                   "the coordinate reference system differs from that of " + other.name(),
                    crs_name(other.facts.crs) + " (alidade convert --reproject SYSTEM brings files to one)",
                    crs_name(odd.facts.crs));
 }
 
-/// Errors: heights of some files are converted, and other files do not state a system.
-void check_heights(const std::vector<CloudSource>& sources) {
-  const auto converted = std::ranges::find_if(
-      sources, [](const CloudSource& source) { return !source.facts.heights_note.empty(); });
-  if (converted == sources.end()) return;
+/// Errors and warnings: see join_facts().
+void join_systems(std::span<const CloudSource> sources, PointCloud& cloud) {
+  const CloudSource* const first = first_that_binds(sources, has_crs);
+  if (first == nullptr) return;
+  cloud.crs = first->facts.crs;
+  ComparedSystems compared(cloud.crs);
+  const CloudSource *odd = nullptr, *converted = nullptr, *unstated = nullptr;
+  std::size_t agreeing = 0, differing = 0;
+  Remarks without, unclear;
   for (const CloudSource& source : sources) {
-    if (!source.is_open || has_crs(source) || source.point_count() == 0) continue;
-    throw file_error(source.path(),
-                     "no coordinate reference system, and the heights of " + converted->path().string() +
+    if (!converted && !source.facts.heights_note.empty()) converted = &source;
+    if (source.point_count() == 0) continue;
+    if (!has_crs(source)) {
+      if (!source.reader) continue;
+      if (!unstated) unstated = &source;
+      without.add("no coordinate reference system; assuming that of the other files, " + crs_name(cloud.crs),
+                  source.name());
+      continue;
+    }
+    const CrsAgreement agreement = compared.with(source.facts.crs);
+    ++(agreement == CrsAgreement::different ? differing : agreeing);
+    if (agreement == CrsAgreement::different && !odd) odd = &source;
+    if (agreement == CrsAgreement::unknown)
+      unclear.add(fmt::format("the coordinate reference system is described differently ({}) from the other "
+                              "files ({}), whose description is kept",
+                              crs_name(source.facts.crs), crs_name(cloud.crs)),
+                  source.name());
+  }
+  if (odd != nullptr && agreeing < differing) reject_crs(*first, *odd);
+  if (odd != nullptr) reject_crs(*odd, *first);
+  if (converted != nullptr && unstated != nullptr)
+    throw file_error(unstated->facts.file.path,
+                     "no coordinate reference system, and the heights of " + converted->name() +
                          " are converted to the unit of x and y",
                      "--crs EPSG:n, which states one");
+  without.write(cloud.warnings);
+  unclear.write(cloud.warnings);
+}
+
+/// Errors and warnings: see join_facts().
+void join_times(std::span<const CloudSource> sources, AttributeSet wanted, PointCloud& cloud) {
+  const CloudSource* timed = nullptr;
+  for (const CloudSource& source : sources) {
+    const std::optional<bool> is_standard = source.facts.gps_time_is_standard;
+    const bool has_times = source.point_count() > 0 && source.facts.attributes.contains(Attribute::gps_time);
+    if (!is_standard || !has_times) continue;
+    if (timed == nullptr) {
+      timed = &source;
+      cloud.gps_time_is_standard = *is_standard;
+    } else if (cloud.gps_time_is_standard != *is_standard && wanted.contains(Attribute::gps_time)) {
+      cloud.warnings.push_back(fmt::format(
+          "{}: the GPS time system (week or standard) differs from that of {}; times are not comparable",
+          source.name(), timed->name()));
+    }
   }
 }
 
@@ -119,187 +191,41 @@ std::string SomeFiles::text() const {
   return fmt::format("{} and {} more file{}", first_, count_ - 1, count_ == 2 ? "" : "s");
 }
 
-Lattice common_lattice(const std::vector<CloudSource>& sources) {
-  const CloudSource* const first = first_that_binds(sources, has_lattice);
-  if (!first) {
-    std::vector<CoordinateSurvey> surveys;
-    for (const CloudSource& source : sources) surveys.push_back(source.survey);
-    const auto reach = [](const CloudSource& source) {
-      const Bounds& bounds = source.survey.bounds;
-      const glm::dvec3 most = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
-      return bounds.empty() ? 0.0 : std::max({most.x, most.y, most.z});
-    };
-    const auto farthest = std::ranges::max_element(sources, {}, reach);
-    return with_file(farthest == sources.end() ? "" : farthest->path().string(),
-                     [&] { return fit_lattice(surveys); });
+void Remarks::add(const std::string& remark, const std::string& file) {
+  const auto same = std::ranges::find(remarks_, remark, &std::pair<std::string, SomeFiles>::first);
+  (same != remarks_.end() ? *same : remarks_.emplace_back(remark, SomeFiles{})).second.add(file);
+}
+
+void Remarks::write(std::vector<std::string>& warnings) const {
+  for (const auto& [remark, files] : remarks_) warnings.push_back(files.text() + ": " + remark);
+}
+
+bool is_rounded(const CloudSource& source, const Lattice& lattice) {
+  return source.has_lattice() && source.point_count() > 0 && !steps_between(*source.facts.lattice, lattice);
+}
+
+void join_facts(std::span<const CloudSource> sources, AttributeSet wanted, PointCloud& cloud) {
+  cloud.lattice = common_lattice(sources);
+  join_systems(sources, cloud);
+  if (!sources.empty()) {
+    const FileFacts& first = sources.front().facts;
+    cloud.gps_time_is_standard = first.gps_time_is_standard.value_or(false);
+    cloud.project_id = first.project_id;
+    cloud.file_source_id = first.file_source_id;
   }
-  std::vector<Lattice> lattices = {*first->reader->lattice()};
-  Bounds bounds;
+  Remarks heights, rounded;
   for (const CloudSource& source : sources) {
-    if (source.point_count() == 0) continue;
-    bounds.grow(source.has_lattice ? source.facts.box.value_or(Bounds()) : source.survey.bounds);
-    if (source.has_lattice) lattices.push_back(*source.reader->lattice());
-  }
-  const Lattice lattice = joined_lattice(lattices, bounds);
-  for (const CloudSource& source : sources) {
-    if (source.has_lattice || source.point_count() == 0) continue;
-    const Bounds& own = source.survey.bounds;
-    if (to_lattice(lattice, own.min) && to_lattice(lattice, own.max)) continue;
-    throw Error({.file = source.path().string(),
-                 .problem = "too far away for the lattice of " + first->path().string(),
-                 .found = fmt::format("a box from {} to {}", text_of(own.min), text_of(own.max))});
-  }
-  return lattice;
-}
-
-Crs common_crs(const std::vector<CloudSource>& sources) {
-  const CloudSource* const first = first_that_binds(sources, has_crs);
-  if (first == nullptr) return {};
-  const Crs& crs = first->facts.crs;
-  ComparedSystems compared(crs);
-  std::size_t agreeing = 0, differing = 0;
-  const CloudSource* odd = nullptr;
-  for (const CloudSource& source : sources) {
-    if (!has_crs(source) || source.point_count() == 0) continue;
-    if (compared.with(source.facts.crs) != CrsAgreement::different) {
-      ++agreeing;
-    } else if (differing++ == 0) {
-      odd = &source;
-    }
-  }
-  if (odd != nullptr && agreeing < differing) reject_crs(*first, *odd);
-  if (odd != nullptr) reject_crs(*odd, *first);
-  check_heights(sources);
-  return crs;
-}
-
-bool JoinedRecords::Order::operator()(std::size_t a, std::size_t b) const {
-  const auto key = [this](std::size_t index) {
-    const VariableLengthRecord& record = (*records)[index];
-    return std::tie(record.record_id, record.user_id, record.description, record.extended, record.data);
-  };
-  return key(a) < key(b);
-}
-
-void JoinedRecords::join(std::size_t first) {
-  std::size_t kept = first;
-  for (std::size_t i = first; i < records_.size(); ++i) {
-    if (earlier_.contains(i)) continue;
-    if (kept != i) records_[kept] = std::move(records_[i]);
-    ++kept;
-  }
-  records_.resize(kept);
-  for (std::size_t i = first; i < kept; ++i) earlier_.insert(i);
-}
-
-// The resolution of floats at the size of the coordinates does not matter: far from the origin it is
-// centimetres.
-void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
-  constexpr double k_matters = 1e-6;
-  if (source.has_lattice || source.point_count() == 0) return;
-  const glm::dvec3 sides = source.survey.bounds.max - source.survey.bounds.min;
-  const double longest = std::max({sides.x, sides.y, sides.z});
-  for (int axis = 0; axis < 3; ++axis) {
-    const double resolution = source.survey.resolution[axis];
-    const double rounding = 0.5 * cloud.lattice.scale[axis];
-    if (resolution == 0.0 || rounding <= std::max(resolution * (1 + 1e-9), k_matters * longest)) continue;
-    cloud.warnings.push_back(fmt::format("{}: coordinates are rounded to steps of {}", source.path().string(),
-                                         cloud.lattice.scale[axis]));
-    return;
-  }
-}
-
-void warn_of_heights(std::span<const CloudSource> sources, PointCloud& cloud) {
-  std::map<std::string, SomeFiles> files;
-  for (const CloudSource& source : sources)
     if (!source.facts.heights_note.empty() && source.point_count() > 0)
-      files[source.facts.heights_note].add(source.path().string());
-  for (const auto& [note, some] : files) cloud.warnings.push_back(some.text() + ": " + note);
-}
-
-void warn_of_lattices(std::span<CloudSource> sources, PointCloud& cloud) {
-  SomeFiles files;
-  for (CloudSource& source : sources) {
-    if (!source.has_lattice || source.point_count() == 0) continue;
-    source.is_rounded = !steps_between(*source.reader->lattice(), cloud.lattice);
-    if (source.is_rounded) files.add(source.path().string());
+      heights.add(source.facts.heights_note, source.name());
+    if (is_rounded(source, cloud.lattice))
+      rounded.add(
+          fmt::format("coordinates are rounded to steps of {}: no lattice holds those of all files exactly",
+                      text_of(cloud.lattice.scale)),
+          source.name());
   }
-  if (files.count() == 0) return;
-  cloud.warnings.push_back(
-      fmt::format("{}: coordinates are rounded to steps of {}: no lattice holds those of all files exactly",
-                  files.text(), text_of(cloud.lattice.scale)));
-}
-
-void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present,
-                  std::vector<std::string>& warnings) {
-  // By missing attributes, in the order of the files.
-  std::vector<std::pair<AttributeSet, SomeFiles>> gaps;
-  for (const GivenRows& rows : given) {
-    AttributeSet missing;
-    missing.bits = present.bits & ~rows.attributes.bits;
-    if (missing.bits == 0 || rows.point_count == 0) continue;
-    const auto same = std::ranges::find(gaps, missing, &std::pair<AttributeSet, SomeFiles>::first);
-    SomeFiles& files = same != gaps.end() ? same->second : gaps.emplace_back(missing, SomeFiles{}).second;
-    files.add(rows.file_name);
-  }
-  for (const auto& [missing, files] : gaps) {
-    warnings.push_back(
-        fmt::format("{}: no {}; using 0", files.text(), fmt::join(attribute_names(missing), ", ")));
-  }
-}
-
-void warn_of_missing_crs(std::span<const CloudSource> sources, PointCloud& cloud) {
-  if (cloud.crs.empty()) return;
-  SomeFiles files;
-  for (const CloudSource& source : sources) {
-    if (source.is_open && source.facts.crs.empty() && source.point_count() > 0)
-      files.add(source.path().string());
-  }
-  if (files.count() == 0) return;
-  cloud.warnings.push_back(
-      fmt::format("{}: no coordinate reference system; assuming that of the other files, {}", files.text(),
-                  crs_name(cloud.crs)));
-}
-
-void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud) {
-  std::vector<std::pair<std::string, SomeFiles>> ways;
-  ComparedSystems compared(cloud.crs);
-  for (const CloudSource& source : sources) {
-    const Crs& own = source.facts.crs;
-    if (own.empty() || source.point_count() == 0) continue;
-    if (compared.with(own) != CrsAgreement::unknown) continue;
-    const std::string name = crs_name(own);
-    const auto same = std::ranges::find(ways, name, &std::pair<std::string, SomeFiles>::first);
-    SomeFiles& files = same != ways.end() ? same->second : ways.emplace_back(name, SomeFiles{}).second;
-    files.add(source.path().string());
-  }
-  for (const auto& [name, files] : ways) {
-    cloud.warnings.push_back(fmt::format(
-        "{}: the coordinate reference system is described differently ({}) from the other files ({}), "
-        "whose description is kept",
-        files.text(), name, crs_name(cloud.crs)));
-  }
-}
-
-void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud) {
-  constexpr std::size_t k_most_reported = 10;
-  const std::vector<LostPoints> lost = reader.lost();
-  const std::string file = reader.file().path.string();
-  std::uint64_t count = 0;
-  for (std::size_t i = 0; i < lost.size(); ++i) {
-    count += lost[i].count;
-    if (i >= k_most_reported) continue;
-    const std::string location = lost[i].location.empty() ? "" : ":" + lost[i].location;
-    cloud.warnings.push_back(fmt::format("{}{}: {}; {} lost", file, location, lost[i].problem,
-                                         lost[i].count == 0   ? std::string("an unknown number of points is")
-                                         : lost[i].count == 1 ? std::string("1 point is")
-                                                              : fmt::format("{} points are", lost[i].count)));
-  }
-  if (lost.size() > k_most_reported) {
-    cloud.warnings.push_back(fmt::format("{}: corrupt in {} more locations; {} points are lost in total",
-                                         file, lost.size() - k_most_reported, count));
-  }
-  if (!files.empty()) files.front().lost_count = count;
+  heights.write(cloud.warnings);
+  rounded.write(cloud.warnings);
+  join_times(sources, wanted, cloud);
 }
 
 void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud) {

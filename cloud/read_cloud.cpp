@@ -48,13 +48,11 @@ StatedSize stated_size(const CloudInputs& inputs) {
   std::vector<StatedSize> sizes(inputs.size());
   in_parallel(inputs.size(), 1, k_most_files_at_once, [&](std::size_t i) {
     if (what_is_unwanted(inputs.inputs[i], {}) != Unwanted::no) return;
-    InputFile file = inputs.inputs[i].file();
-    const std::uint64_t bytes = file.size();
-    const auto reader = open_cloud(inputs.inputs[i], std::move(file), Damage::read_over);
-    const std::optional<std::uint64_t> points = reader->point_count();
+    const auto reader = open_cloud(inputs.inputs[i], Damage::read_over);
+    const FileFacts& facts = reader->facts();
     // Packed points rarely take less than a byte each.
-    sizes[i] = {reader->facts().box.value_or(Bounds()), std::min(points.value_or(0), bytes),
-                reader->attributes(), points ? 0 : bytes};
+    sizes[i] = {facts.box.value_or(Bounds()), std::min(facts.point_count.value_or(0), facts.bytes),
+                facts.attributes, facts.point_count ? 0 : facts.bytes};
   });
   StatedSize all;
   for (const StatedSize& size : sizes) {

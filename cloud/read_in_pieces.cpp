@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <glm/common.hpp>
-#include <iterator>
 #include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "base/bounds.h"
 #include "base/error.h"
@@ -23,57 +26,46 @@ namespace {
 /// Points that are read into pieces at once, or an eighth of all points if that is more.
 constexpr std::uint64_t k_few_points = 1 << 22;
 
-/// A reader of an unwanted file, which stays unopened: it has no points, and its survey is that of the
-/// catalog.
-class UnwantedFile final : public CloudReader {
- public:
-  UnwantedFile(const CloudInput& input, bool is_left_out) : box_(input.stated->box) {
-    file_.path = public_name(input.name.string());
-    file_.format = input.format->name;
-    (is_left_out ? file_.left_out_count : count_) = input.stated->point_count;
+/// Opens a file, or notes that a catalog says that no point of it is needed.
+CloudSource open_source(const CloudInput& input, Unwanted unwanted, const ReadOptions& options) {
+  CloudSource source;
+  if (unwanted != Unwanted::no) {
+    source.facts.file.path = public_name(input.name.string());
+    source.facts.file.format = input.format->name;
+    source.survey = {.bounds = input.stated->box, .finite_count = input.stated->point_count};
+    if (unwanted == Unwanted::left_out)
+      source.facts.file.left_out_count = std::exchange(source.survey.finite_count, 0);
+    source.is_skipped = true;
+    return source;
   }
+  source.reader = open_cloud(input, options.partial ? Damage::read_over : Damage::reject);
+  source.facts = source.reader->facts();
+  source.is_skipped = options.region && !options.partial && source.has_lattice() && source.facts.box &&
+                      !meet(*source.facts.box, *options.region);
+  source.reader->rest();
+  return source;
+}
 
-  const CloudFile& file() const override { return file_; }
-  AttributeSet attributes() const override { return {}; }
-  CoordinateSurvey survey(const Progress&) override { return {.bounds = box_, .finite_count = count_}; }
-  void read_in_pieces(PointCloud&, AttributeSet, const CloudPieces&, const Progress&) override {}
-
- private:
-  CloudFile file_;
-  Bounds box_;
-  std::uint64_t count_ = 0;
-};
-
-/// Opens the files and marks those outside of the region as skipped.
 std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptions& options) {
   inputs.check_files();
-  const Damage damage = options.partial ? Damage::read_over : Damage::reject;
   std::vector<CloudSource> sources(inputs.size());
   // The facts of the cloud are those of the first file, its lattice is that of the first file with points.
   const auto with_points = std::ranges::find_if(
       inputs.inputs, [](const CloudInput& input) { return !input.stated || input.stated->point_count > 0; });
   const auto first_with_points = static_cast<std::size_t>(with_points - inputs.inputs.begin());
   in_parallel(inputs.size(), 1, k_most_files_at_once, [&](std::size_t i) {
-    CloudSource& source = sources[i];
-    const Unwanted unwanted = what_is_unwanted(inputs.inputs[i], options);
-    if (unwanted != Unwanted::no && i != 0 && i != first_with_points) {
-      source.reader = std::make_unique<UnwantedFile>(inputs.inputs[i], unwanted == Unwanted::left_out);
-      source.is_skipped = unwanted == Unwanted::skipped;
-      source.is_open = false;
-      return;
-    }
-    InputFile file = inputs.inputs[i].file();
-    source.bytes = file.size();
-    source.reader = open_cloud(inputs.inputs[i], std::move(file), damage);
-    source.work = std::max(source.bytes, source.reader->work());
-    source.has_lattice = source.reader->lattice().has_value();
-    source.facts = source.reader->facts();
-    source.is_skipped = options.region && !options.partial && source.has_lattice && source.facts.box &&
-                        !meet(*source.facts.box, *options.region);
-    source.reader->rest();
+    const bool is_needed = i == 0 || i == first_with_points;
+    const CloudInput& input = inputs.inputs[i];
+    sources[i] = open_source(input, is_needed ? Unwanted::no : what_is_unwanted(input, options), options);
   });
   return sources;
 }
+
+/// A file that was read into a cloud of its own.
+struct ReadPiece {
+  PointCloud cloud;
+  FileRead done;
+};
 
 /// Joins sources one by one, in their order.
 class Joining {
@@ -85,46 +77,45 @@ class Joining {
   }
 
   /// Takes the next file: its points from `piece` if they have been read into one, else from the file.
-  void add(CloudSource& source, PointCloud* piece, const Progress& progress) {
+  void add(CloudSource& source, ReadPiece* piece, const Progress& progress) {
     const std::size_t first_record = cloud_.records.size();
     const std::uint64_t first_row = row_count();
-    join_facts(source);
-    const AttributeSet attributes = source.reader->attributes();
+    const AttributeSet attributes = source.facts.attributes;
     const bool is_colored =
-        is_las(source.reader->file()) && (attributes & options_.attributes).contains(Attribute::color);
-    if (is_colored) colored_.push_back({source.path().string(), first_row});
+        is_las(source.facts.file) && (attributes & options_.attributes).contains(Attribute::color);
+    if (is_colored) colored_.push_back({source.name(), first_row});
+    FileRead done;
     if (piece == nullptr) {
-      source.reader->read_in_pieces(cloud_, options_.attributes, pieces_, progress);
+      done = source.reader->read(cloud_, options_.attributes, pieces_, progress);
     } else {
-      append_cloud(cloud_, std::move(*piece));
+      append_cloud(cloud_, std::move(piece->cloud));
+      done = std::move(piece->done);
     }
-    records_.join(first_record);
+    source.reader.reset();
+    join_records(first_record);
     if (is_colored) {
       // The depth of a file is that of all its points, selected or not.
-      const LargestColors others = source.reader->left_out_colors();
       ColoredRows& rows = colored_.back();
       rows.end = row_count();
-      rows.largest_color = std::max(rows.largest_color, others.color);
-      rows.largest_near_infrared = std::max(rows.largest_near_infrared, others.near_infrared);
+      rows.largest_color = std::max(rows.largest_color, done.left_out_colors.color);
+      rows.largest_near_infrared = std::max(rows.largest_near_infrared, done.left_out_colors.near_infrared);
     }
-    const CloudFile& file = source.reader->file();
-    given_.push_back({file.path.string(), file.point_count, attributes});
-    if (row_count() > first_row)
+    if (row_count() > first_row) {
+      given_.emplace_back(source.name(), attributes);
       attributes_ = attributes_ | cloud_.attributes() | (attributes & options_.attributes);
-    warn_of_rounding(source, cloud_);
-    std::vector<CloudFile> files = source.reader->sources();
-    warn_of_losses(*source.reader, files, cloud_);
-    for (CloudFile& own : files) own.is_rounded = own.is_rounded || source.is_rounded;
-    std::ranges::move(files, std::back_inserter(cloud_.files));
-    source.reader.reset();
+    }
+    warn_of_rounding(source);
+    warn_of_losses(source, done);
+    for (CloudFile& file : done.files) {
+      file.is_rounded = file.is_rounded || is_rounded(source, cloud_.lattice);
+      cloud_.files.push_back(std::move(file));
+    }
   }
 
   void skip(CloudSource& source) {
-    join_facts(source);
-    CloudFile file = source.reader->file();
+    CloudFile& file = cloud_.files.emplace_back(std::move(source.facts.file));
     file.skipped_count = source.point_count();
     file.point_count = 0;
-    cloud_.files.push_back(std::move(file));
     source.reader.reset();
   }
 
@@ -132,7 +123,7 @@ class Joining {
   ColorSpread finish() {
     measure();
     ColorSpread spread = choose_spread(std::move(colored_), options_.color_depth, cloud_.warnings);
-    warn_of_gaps(given_, attributes_, cloud_.warnings);
+    warn_of_gaps();
     if (is_geographic(cloud_.crs) || is_geocentric(cloud_.crs)) {
       bounds_.grow(cloud_.bounds());
       if (const auto problem = implausible_crs(cloud_.crs, bounds_)) cloud_.warnings.push_back(*problem);
@@ -154,28 +145,79 @@ class Joining {
     given_pieces_.take(cloud_);
   }
 
-  /// Takes over the facts of the first file. The kind of times is that of the first file that has times and
-  /// states their kind; a warning names a file of another kind.
-  void join_facts(const CloudSource& source) {
-    if (cloud_.files.empty()) {
-      cloud_.gps_time_is_standard = source.facts.gps_time_is_standard.value_or(false);
-      cloud_.project_id = source.facts.project_id;
-      cloud_.file_source_id = source.facts.file_source_id;
+  /// Removes those records of the last file that an earlier file has: the tiles of a survey repeat them.
+  /// Repetitions within one file stay.
+  void join_records(std::size_t first) {
+    std::vector<VariableLengthRecord>& all = cloud_.records;
+    std::size_t kept = first;
+    for (std::size_t i = first; i < all.size(); ++i) {
+      if (records_.contains(i)) continue;
+      if (kept != i) all[kept] = std::move(all[i]);
+      ++kept;
     }
-    const std::optional<bool> is_standard = source.facts.gps_time_is_standard;
-    const bool has_times =
-        source.point_count() > 0 && source.reader->attributes().contains(Attribute::gps_time);
-    if (!is_standard || !has_times) return;
-    if (timed_file_.empty()) {
-      timed_file_ = source.path().string();
-      cloud_.gps_time_is_standard = *is_standard;
-    } else if (cloud_.gps_time_is_standard != *is_standard &&
-               options_.attributes.contains(Attribute::gps_time)) {
-      cloud_.warnings.push_back(fmt::format(
-          "{}: the GPS time system (week or standard) differs from that of {}; times are not comparable",
-          source.path().string(), timed_file_));
+    all.resize(kept);
+    for (std::size_t i = first; i < kept; ++i) records_.insert(i);
+  }
+
+  /// The resolution of floats at the size of the coordinates does not matter: far from the origin it is
+  /// centimetres.
+  void warn_of_rounding(const CloudSource& source) {
+    constexpr double k_matters = 1e-6;
+    if (source.has_lattice() || source.point_count() == 0) return;
+    const glm::dvec3 sides = source.survey.bounds.max - source.survey.bounds.min;
+    const double longest = std::max({sides.x, sides.y, sides.z});
+    for (int axis = 0; axis < 3; ++axis) {
+      const double resolution = source.survey.resolution[axis], step = cloud_.lattice.scale[axis];
+      if (resolution == 0.0 || 0.5 * step <= std::max(resolution * (1 + 1e-9), k_matters * longest)) continue;
+      cloud_.warnings.push_back(
+          fmt::format("{}: coordinates are rounded to steps of {}", source.name(), step));
+      return;
     }
   }
+
+  /// Warns of points that could not be read, and counts them in the first of the files, their own.
+  void warn_of_losses(const CloudSource& source, FileRead& done) {
+    constexpr std::size_t k_most_reported = 10;
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < done.lost.size(); ++i) {
+      const auto& [points, location, problem] = done.lost[i];
+      count += points;
+      if (i >= k_most_reported) continue;
+      cloud_.warnings.push_back(fmt::format("{}{}{}: {}; {} lost", source.name(), location.empty() ? "" : ":",
+                                            location, problem,
+                                            points == 0   ? std::string("an unknown number of points is")
+                                            : points == 1 ? std::string("1 point is")
+                                                          : fmt::format("{} points are", points)));
+    }
+    if (done.lost.size() > k_most_reported)
+      cloud_.warnings.push_back(fmt::format("{}: corrupt in {} more locations; {} points are lost in total",
+                                            source.name(), done.lost.size() - k_most_reported, count));
+    if (!done.files.empty()) done.files.front().lost_count = count;
+  }
+
+  /// Warns of attributes of the cloud that were filled with zeros.
+  void warn_of_gaps() {
+    Remarks gaps;
+    for (const auto& [file, attributes] : given_) {
+      AttributeSet missing;
+      missing.bits = attributes_.bits & ~attributes.bits;
+      if (missing.bits == 0) continue;
+      gaps.add(fmt::format("no {}; using 0", fmt::join(attribute_names(missing), ", ")), file);
+    }
+    gaps.write(cloud_.warnings);
+  }
+
+  /// Compares records by their contents.
+  struct RecordOrder {
+    const std::vector<VariableLengthRecord>* records;
+    bool operator()(std::size_t a, std::size_t b) const {
+      const auto key = [this](std::size_t index) {
+        const VariableLengthRecord& record = (*records)[index];
+        return std::tie(record.record_id, record.user_id, record.description, record.extended, record.data);
+      };
+      return key(a) < key(b);
+    }
+  };
 
   PointCloud& cloud_;
   const ReadOptions& options_;
@@ -184,37 +226,32 @@ class Joining {
   std::uint64_t taken_ = 0;  ///< points handed over
   Bounds bounds_;            ///< of the points handed over
   AttributeSet attributes_;
-  std::string timed_file_;  ///< the first that has GPS times
-  JoinedRecords records_{cloud_.records};
-  std::vector<GivenRows> given_;
+  std::set<std::size_t, RecordOrder> records_{RecordOrder{&cloud_.records}};  ///< of the files so far
+  std::vector<std::pair<std::string, AttributeSet>> given_;  ///< the files with points, and what they have
   std::vector<ColoredRows> colored_;
 };
 
 /// The end of the lot of files from `first` on, at least one, that are read into pieces at once.
-std::size_t end_of_lot(const std::vector<CloudSource>& sources, std::size_t first,
-                       std::uint64_t most_points) {
-  std::uint64_t points = sources[first].is_skipped ? 0 : sources[first].point_count();
+std::size_t end_of_lot(std::span<const CloudSource> sources, std::size_t first, std::uint64_t most_points) {
+  const auto wanted = [&](std::size_t i) { return sources[i].is_skipped ? 0 : sources[i].point_count(); };
+  std::uint64_t points = wanted(first);
   std::size_t end = first + 1;
-  while (end < sources.size() && end - first < k_most_files_at_once) {
-    points += sources[end].is_skipped ? 0 : sources[end].point_count();
-    if (points > most_points) break;
+  while (end < sources.size() && end - first < k_most_files_at_once && (points += wanted(end)) <= most_points)
     ++end;
-  }
   return end;
 }
 
 /// Reads a lot of files at once, each into a cloud of its own; empty for files that are skipped.
-std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sources, std::size_t first,
-                                                   std::size_t end, const Lattice& lattice,
-                                                   AttributeSet wanted, JoinedProgress& progress) {
-  std::vector<std::optional<PointCloud>> pieces(end - first);
-  in_parallel(pieces.size(), 1, [&](std::size_t i) {
-    CloudSource& source = sources[first + i];
+std::vector<std::optional<ReadPiece>> read_pieces(std::span<const CloudSource> lot, const Lattice& lattice,
+                                                  AttributeSet wanted, JoinedProgress& progress) {
+  std::vector<std::optional<ReadPiece>> pieces(lot.size());
+  in_parallel(lot.size(), 1, [&](std::size_t i) {
+    const CloudSource& source = lot[i];
     if (source.is_skipped) return;
-    PointCloud& piece = pieces[i].emplace();
-    piece.lattice = lattice;
-    piece.positions.reserve(static_cast<std::size_t>(std::min(source.point_count(), source.bytes)));
-    source.reader->read(piece, wanted, progress.pass(source.work));
+    ReadPiece& piece = pieces[i].emplace();
+    piece.cloud.lattice = lattice;
+    piece.cloud.positions.reserve(static_cast<std::size_t>(source.least_points()));
+    piece.done = source.reader->read(piece.cloud, wanted, {}, progress.pass(source.work()));
     source.reader->rest();
   });
   return pieces;
@@ -255,8 +292,8 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   std::vector<CloudSource> sources = open_sources(inputs, options);
   std::uint64_t work = 0, bytes = 0;
   for (const CloudSource& source : sources) {
-    work += source.is_skipped ? 0 : source.has_lattice ? source.work : 2 * source.work;
-    bytes += source.is_skipped ? 0 : source.work;
+    work += source.has_lattice() ? source.work() : 2 * source.work();
+    bytes += source.work();
   }
   // Two passes over a file are reported as one: its bytes count once.
   const Progress shown = [&](std::uint64_t done, std::uint64_t total) {
@@ -267,45 +304,39 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   };
   JoinedProgress progress(shown, work);
   in_parallel(sources.size(), 1, k_most_files_at_once, [&](std::size_t i) {
-    if (sources[i].has_lattice) return;
-    sources[i].survey = sources[i].reader->survey(progress.pass(sources[i].work));
-    sources[i].reader->rest();
+    CloudSource& source = sources[i];
+    if (!source.reader || source.has_lattice()) return;
+    source.survey = source.reader->survey(progress.pass(source.work()));
+    source.facts.attributes = source.reader->facts().attributes;
+    source.reader->rest();
   });
 
   PiecewiseCloud whole;
   PointCloud& cloud = whole.rest;
-  cloud.lattice = common_lattice(sources);
-  cloud.crs = common_crs(sources);
+  join_facts(sources, options.attributes, cloud);
   std::uint64_t point_count = 0;
-  for (const CloudSource& source : sources) {
-    // Packed points rarely take less than a byte each; a larger number is accepted once they are unpacked.
-    point_count += source.is_skipped ? 0 : std::min(source.point_count(), source.bytes);
-  }
+  for (const CloudSource& source : sources) point_count += source.is_skipped ? 0 : source.least_points();
   const std::uint64_t most_in_piece = pieces.most_bytes / (sizeof(LatticePosition) + pieces.bytes_beside);
   cloud.positions.reserve(static_cast<std::size_t>(std::min(point_count, most_in_piece)));
-  warn_of_missing_crs(sources, cloud);
-  warn_of_other_crs(sources, cloud);
-  warn_of_heights(sources, cloud);
-  warn_of_lattices(sources, cloud);
 
   Joining joining(cloud, options, pieces);
   const bool is_parallel = !pieces.take && thread_count() > 1;
   const std::uint64_t most_points = std::max(k_few_points, point_count / 8);
   for (std::size_t first = 0; first < sources.size();) {
     const std::size_t end = is_parallel ? end_of_lot(sources, first, most_points) : first + 1;
-    std::vector<std::optional<PointCloud>> lot(1);
-    if (end - first > 1) lot = read_pieces(sources, first, end, cloud.lattice, options.attributes, progress);
-    for (std::size_t i = first; i < end; ++i) {
-      std::optional<PointCloud>& piece = lot[i - first];
-      if (sources[i].is_skipped) {
-        joining.skip(sources[i]);
+    std::vector<std::optional<ReadPiece>> lot(1);
+    if (end - first > 1)
+      lot = read_pieces(std::span(sources).subspan(first, end - first), cloud.lattice, options.attributes,
+                        progress);
+    for (std::optional<ReadPiece>& piece : lot) {
+      CloudSource& source = sources[first++];
+      if (source.is_skipped) {
+        joining.skip(source);
       } else {
-        joining.add(sources[i], piece ? &*piece : nullptr,
-                    piece ? Progress() : progress.pass(sources[i].work));
+        joining.add(source, piece ? &*piece : nullptr, piece ? Progress() : progress.pass(source.work()));
       }
       piece.reset();
     }
-    first = end;
   }
   whole.spread = joining.finish();
   whole.point_count = joining.row_count();

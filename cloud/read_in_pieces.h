@@ -32,7 +32,7 @@ struct PiecewiseCloud {
 /// read_cloud() for a cloud that may be larger than memory, with the same points in the same rows and the
 /// same warnings. Points are handed over in `pieces`, and colours are as in the files. `take` gets clouds on
 /// the lattice of the whole cloud; their other facts, such as files and warnings, are not complete yet. Files
-/// are read one after another. Errors: as read_cloud(). Memory: that of CloudReader::read_in_pieces().
+/// are read one after another. Errors: as read_cloud(). Memory: that of CloudReader::read().
 PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& options,
                               const CloudPieces& pieces);
 

@@ -44,7 +44,7 @@ std::size_t occurrence_of(const Dimensions& dimensions, std::size_t i, Descripti
 ExtraDimension description_of(const ExtraDimension& dimension);
 
 /// Appends the points of `piece`, its records, scanner positions and warnings: the cloud is then as if the
-/// reader of the piece had appended to it (CloudReader::read). Requires equal lattices. The cloud's other
+/// reader of the piece had appended to it (CloudReader::read()). Requires equal lattices. The cloud's other
 /// facts and its files do not change. Memory: columns with room reserved are not moved.
 void append_cloud(PointCloud& cloud, PointCloud&& piece);
 

@@ -21,7 +21,7 @@ namespace alidade {
 class ScratchCloud {
  public:
   /// Reads a cloud with the points, rows, values and warnings of read_cloud(). Memory: that of `scratch`, and
-  /// some 64 MB for LAZ (CloudReader::read_in_pieces()). Disk: 12 B per point for positions, and the size of
+  /// some 64 MB for LAZ (CloudReader::read()). Disk: 12 B per point for positions, and the size of
   /// the attributes (PointCloud). With a checkpoint, which must outlive the object, the scratch files are
   /// those of the checkpoint, and its rows are not read again from LAS, LAZ and index files without a
   /// selection; other files are read again. Errors: as read_cloud(); those of scratch files.

@@ -54,25 +54,6 @@ void store_as(ScalarType type, const Cell& cell, std::byte* bytes) {
 
 }  // namespace
 
-/// Columns of x, y and z. A file without z is flat: its z is 0. Requires x and y.
-class PositionColumns {
- public:
-  explicit PositionColumns(std::span<const TableColumn> columns)
-      : x_(find_role(columns, ColumnRole::x).value()),
-        y_(find_role(columns, ColumnRole::y).value()),
-        z_(find_role(columns, ColumnRole::z)) {}
-
-  /// The position of a row; empty if a coordinate is not finite, so that the point is left out.
-  std::optional<glm::dvec3> position(std::span<const Cell> row) const {
-    const glm::dvec3 position(row[x_].number, row[y_].number, z_ ? row[*z_].number : 0.0);
-    return is_finite(position) ? std::optional(position) : std::nullopt;
-  }
-
- private:
-  std::size_t x_, y_;
-  std::optional<std::size_t> z_;
-};
-
 /// How the values of a table become 0 .. 65535.
 struct TableScalings {
   ValueScaling colors, near_infrared, intensities;
@@ -85,9 +66,7 @@ class TableAppender : public RowsToFill {
   /// that they need: those of `columns` that are in `wanted`. `pieces` must outlive the object.
   TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
                 TableScalings scalings, std::uint64_t count, const CloudPieces& pieces)
-      : RowsToFill(cloud, attributes_of(columns) & wanted, count, pieces),
-        positions_(columns),
-        scalings_(std::move(scalings)) {
+      : RowsToFill(cloud, attributes_of(columns) & wanted, count, pieces), scalings_(std::move(scalings)) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const TableColumn& column = columns[i];
       const auto attribute = attribute_of(column.role);
@@ -100,11 +79,9 @@ class TableAppender : public RowsToFill {
     make_rows();
   }
 
-  /// Takes the next row; leaves out a position that is not finite. Returns false as begin_row() does.
-  bool add(std::span<const Cell> row) {
-    const std::optional<glm::dvec3> world = positions_.position(row);
-    if (!world) return true;
-    if (!begin_row(*world)) return false;
+  /// Takes the next row. Returns false as begin_row() does.
+  bool add(const glm::dvec3& world, std::span<const Cell> row) {
+    if (!begin_row(world)) return false;
     for (const Target& target : targets_) put(target, row[target.column]);
     return true;
   }
@@ -179,7 +156,6 @@ class TableAppender : public RowsToFill {
     }
   }
 
-  PositionColumns positions_;
   std::vector<Target> targets_;
   TableScalings scalings_;
 };
@@ -221,10 +197,11 @@ void reject_text_transfer(InputFile& input, std::uint64_t begin, std::optional<s
                "a copy that was transferred in binary mode", "a carriage return before every line feed");
 }
 
-TableReader::TableReader(InputFile input, std::string format, Damage damage)
-    : input_(std::move(input)), damage_(damage) {
-  description_.path = input_.name();
-  description_.format = std::move(format);
+TableReader::TableReader(InputFile input, std::string format, Damage damage, TableRules rules)
+    : input_(std::move(input)), rules_(std::move(rules)), damage_(damage) {
+  facts_.file.path = input_.name();
+  facts_.file.format = std::move(format);
+  facts_.bytes = input_.size();
 }
 
 void TableReader::set_columns(std::vector<TableColumn> columns, const std::string& location) {
@@ -234,10 +211,21 @@ void TableReader::set_columns(std::vector<TableColumn> columns, const std::strin
     if (!names.insert(column.name).second)
       fail(location, "duplicate column name", "unique names", quote(column.name));
   }
-  if (!find_role(columns, ColumnRole::x)) fail(location, "missing x column", "x, y and z");
-  if (!find_role(columns, ColumnRole::y)) fail(location, "missing y column", "x, y and z");
-  if (!find_role(columns, ColumnRole::z)) warn("no z column; using 0");
+  facts_.attributes = attributes_of(columns);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    axes_[axis] = find_role(columns, k_axes[axis]);
+    if (axes_[axis]) facts_.coordinate_types[axis] = columns[*axes_[axis]].type;
+  }
+  if (!axes_[0]) fail(location, "missing x column", "x, y and z");
+  if (!axes_[1]) fail(location, "missing y column", "x, y and z");
+  if (!axes_[2]) warn("no z column; using 0");
   columns_ = std::move(columns);
+}
+
+std::optional<glm::dvec3> TableReader::position_of(std::span<const Cell> row) const {
+  const glm::dvec3 position(row[*axes_[0]].number, row[*axes_[1]].number,
+                            axes_[2] ? row[*axes_[2]].number : 0.0);
+  return is_finite(position) ? std::optional(position) : std::nullopt;
 }
 
 void TableReader::visit_whole_rows(const RowVisitor& visit, const Progress& progress) {
@@ -256,7 +244,7 @@ void TableReader::visit_whole_rows(const RowVisitor& visit, const Progress& prog
   } catch (const Error& error) {
     if (is_visiting) throw;
     if (damage_ == Damage::reject) throw DamagedFile(error.parts());
-    const std::uint64_t announced = announced_rows().value_or(rows);
+    const std::uint64_t announced = rules_.announced_rows.value_or(rows);
     lost_.push_back({.count = announced > rows ? announced - rows : 0,
                      .location = error.parts().location,
                      .problem = error.parts().problem});
@@ -272,9 +260,8 @@ CoordinateSurvey TableReader::survey(const Progress& progress) {
     if (role == ColumnRole::near_infrared) watched.emplace_back(i, &found.near_infrared);
     if (role == ColumnRole::intensity) watched.emplace_back(i, &found.intensities);
   }
-  const PositionColumns positions(columns_);
   const auto add = [&](std::span<const Cell> row) {
-    const std::optional<glm::dvec3> position = positions.position(row);
+    const std::optional<glm::dvec3> position = position_of(row);
     if (!position) {
       ++found.dropped_count;
       return;
@@ -284,13 +271,13 @@ CoordinateSurvey TableReader::survey(const Progress& progress) {
     for (const auto& [column, range] : watched) range->grow(row[column].number);
   };
   visit_whole_rows(add, progress);
-  found.resolution = resolution(found.bounds);
+  found.resolution = written_ ? written_->resolution() : facts_.resolution(found.bounds);
   survey_ = found;
   return found;
 }
 
-void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                                 const Progress& progress) {
+FileRead TableReader::read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                           const Progress& progress) {
   if (!survey_) survey({});
   const auto assume = [&](Attribute attribute, const ValueScaling& scaling) {
     if (wanted.contains(attribute) && !scaling.assumption.empty() && survey_->finite_count > 0)
@@ -300,45 +287,36 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
   TableScalings scalings;
   if (const auto type = type_of(ColumnRole::red))
     scalings.colors =
-        stated_colors() ? *stated_colors() : assume(Attribute::color, color_scaling(*type, survey_->colors));
+        rules_.colors ? *rules_.colors : assume(Attribute::color, color_scaling(*type, survey_->colors));
   if (const auto type = type_of(ColumnRole::near_infrared))
     scalings.near_infrared = color_scaling(*type, survey_->near_infrared);
   if (const auto type = type_of(ColumnRole::intensity))
     scalings.intensities =
-        assume(Attribute::intensity, intensity_scaling(*type, survey_->intensities, intensity_scale()));
+        assume(Attribute::intensity, intensity_scaling(*type, survey_->intensities, rules_.intensities));
   TableAppender appender(cloud, columns_, wanted, std::move(scalings), survey_->finite_count, pieces);
   visit_whole_rows(
       [&](std::span<const Cell> row) {
-        if (appender.add(row)) return;
+        const std::optional<glm::dvec3> position = position_of(row);
+        if (!position || appender.add(*position, row)) return;
         fail({}, "a point lies outside the lattice, or the file changed while it was read");
       },
       progress);
   if (!appender.complete()) fail({}, "the file changed while it was read");
 
-  description_.point_count = survey_->finite_count;
-  description_.dropped_count = survey_->dropped_count;
   if (!written_) warn_of_coarse_floats();
-  if (description_.dropped_count > 0)
-    warn(std::to_string(description_.dropped_count) + " points " + reason_to_drop() + " were skipped");
+  if (survey_->dropped_count > 0)
+    warn(std::to_string(survey_->dropped_count) + " points " + rules_.reason_to_drop + " were skipped");
   cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
+  cloud.scanner_positions.insert(cloud.scanner_positions.end(), scanners_.begin(), scanners_.end());
+  return read_rows(survey_->finite_count, survey_->dropped_count, lost_);
 }
 
 void TableReader::warn_of_coarse_floats() {
   CoordinateSurvey survey = *survey_;
   for (int axis = 0; axis < 3; ++axis)
-    if (type_of(k_axes[axis]) != ScalarType::float32) survey.resolution[axis] = 0.0;
+    if (facts_.coordinate_types[static_cast<std::size_t>(axis)] != ScalarType::float32)
+      survey.resolution[axis] = 0.0;
   if (const auto steps = coarse_floats(survey)) warn(*steps);
-}
-
-glm::dvec3 TableReader::resolution(const Bounds& bounds) const {
-  if (written_) return written_->resolution();
-  glm::dvec3 result(0.0);
-  if (bounds.empty()) return result;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double largest = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
-    if (const auto type = type_of(k_axes[axis])) result[axis] = type_resolution(*type, largest);
-  }
-  return result;
 }
 
 std::optional<ScalarType> TableReader::type_of(ColumnRole role) const {

@@ -33,14 +33,16 @@ class WrittenResolution {
     }
   }
 
-  /// Half of the last written digit, per axis; 0 without words.
+  /// Half of the last written digit, per axis, times `scale`; 0 without words.
   glm::dvec3 resolution() const {
     glm::dvec3 result(0.0);
     for (int axis = 0; axis < 3; ++axis) {
       if (decimals_[axis]) result[axis] = 0.5 * std::pow(10.0, -*decimals_[axis]);
     }
-    return result;
+    return result * scale;
   }
+
+  double scale = 1.0;  ///< from written coordinates to those of the points
 
  private:
   std::optional<std::size_t> columns_[3];
@@ -70,26 +72,29 @@ void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage
 /// of its points: they begin at `begin`, and there are bytes behind their `end`, if it is known.
 void reject_text_transfer(InputFile& input, std::uint64_t begin, std::optional<std::uint64_t> end);
 
+/// What a format states about the values of its rows.
+struct TableRules {
+  std::optional<std::uint64_t> announced_rows{};              ///< by the header
+  const char* reason_to_drop = "without finite coordinates";  ///< of points that are left out, as a clause
+  std::optional<ValueScaling> colors{};                       ///< if the file defines it
+  IntensityScale intensities = IntensityScale::free;
+};
+
 /// Common base of the readers of PLY, PCD and text: a file is a table of points with free coordinates, whose
-/// columns have names or a defined order. A format sets its columns and visits the rows; this class does
-/// survey and read.
+/// columns have names or a defined order. A format sets its columns and rules and visits the rows; this class
+/// does survey and read.
 class TableReader : public CloudReader {
  public:
-  const CloudFile& file() const override { return description_; }
-  AttributeSet attributes() const override { return attributes_of(columns_); }
-  /// The resolution of the coordinates written in the last pass, or that of the columns' types.
-  glm::dvec3 resolution(const Bounds& bounds) const override;
   CoordinateSurvey survey(const Progress& progress) override;
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override;
-  std::vector<LostPoints> lost() const override { return lost_; }
+  FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                const Progress& progress) override;
   void rest() override { input_.rest(); }
 
  protected:
   /// Takes one row, a cell for each column.
   using RowVisitor = std::function<void(std::span<const Cell>)>;
 
-  TableReader(InputFile input, std::string format, Damage damage);
+  TableReader(InputFile input, std::string format, Damage damage, TableRules rules = {});
 
   /// Sets the columns, whose roles have been assigned; `location` is that of their names in the file. Adds a
   /// warning if z is missing. Errors: two columns of one name; more than 4096 columns; x or y is missing.
@@ -98,18 +103,6 @@ class TableReader : public CloudReader {
   /// Passes every row to `visit`, in order. A point without a position has NaN coordinates. Errors: this row
   /// and those behind it cannot be read.
   virtual void visit_rows(const RowVisitor& visit, const Progress& progress) = 0;
-
-  /// The number of rows that the header states; empty if it states none.
-  virtual std::optional<std::uint64_t> announced_rows() const { return std::nullopt; }
-
-  /// Why points are left out, as a clause for messages.
-  virtual std::string reason_to_drop() const { return "without finite coordinates"; }
-
-  /// The scaling of colours that the file defines; empty if it defines none.
-  virtual std::optional<ValueScaling> stated_colors() const { return std::nullopt; }
-
-  /// The scale of intensities that the format defines.
-  virtual IntensityScale intensity_scale() const { return IntensityScale::free; }
 
   /// Adds a sentence about this file, for the cloud's warnings.
   void warn(const std::string& clause);
@@ -135,16 +128,20 @@ class TableReader : public CloudReader {
   /// With Damage::read_over, counts are not checked against the size of the file, which may end early.
   Damage damage() const { return damage_; }
   InputFile input_;
-  CloudFile description_;
+  TableRules rules_;
   std::optional<WrittenResolution> written_;  ///< by the last pass, of text
   std::vector<std::string_view> words_;       ///< of the line that is read, of text
+  std::vector<ScannerPosition> scanners_;     ///< by the last pass
 
  private:
   std::optional<ScalarType> type_of(ColumnRole role) const;
+  /// Without z, z is 0; empty if a coordinate is not finite, so that the point is left out.
+  std::optional<glm::dvec3> position_of(std::span<const Cell> row) const;
   void warn_of_coarse_floats();
   void visit_whole_rows(const RowVisitor& visit, const Progress& progress);
 
   std::vector<TableColumn> columns_;
+  std::array<std::optional<std::size_t>, 3> axes_{};  ///< columns of x, y and z
   std::vector<std::string> warnings_;
   Damage damage_;
   std::vector<LostPoints> lost_;       ///< in the last pass

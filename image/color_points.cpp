@@ -429,7 +429,7 @@ AttributeSet check_color_of_files(const PointColoring& coloring, const CloudInpu
   AttributeSet seen;
   if (coloring.by == PointColor::automatic || needed == AttributeSet()) return seen;
   for (const CloudInput& input : inputs.inputs) {
-    seen = seen | open_cloud(input, damage)->attributes();
+    seen = seen | open_cloud(input, damage)->facts().attributes;
     if ((seen & needed) == needed) return seen;
   }
   fail(name, color_word(coloring), seen, {});

@@ -123,10 +123,10 @@ void take_condition(const std::string& text, const std::function<bool()>& stops,
 /// Sets the zone of UTM in which the middle of the first cloud lies. Errors: that location is unknown.
 void choose_zone(SystemChoice& systems) {
   const CloudInput& cloud = *systems.first;
-  const std::unique_ptr<CloudReader> reader = open_stored_cloud(cloud, cloud.file(), Damage::read_over);
-  const FileFacts facts = reader->facts();
+  const std::unique_ptr<CloudReader> reader = open_stored_cloud(cloud, Damage::read_over);
+  const FileFacts& facts = reader->facts();
   Bounds box = facts.box.value_or(Bounds());
-  if (box.empty() && !reader->lattice()) box = reader->survey({}).bounds;
+  if (box.empty() && !facts.lattice) box = reader->survey({}).bounds;
   if (box.empty())
     throw file_error(cloud.name, "cannot choose a zone of UTM: the file does not state its bounds",
                      "--reproject EPSG:n");

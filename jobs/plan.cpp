@@ -55,7 +55,7 @@ std::string text_of(const PlannedWork& work) {
   std::uint64_t points = 0;
   bool are_all_known = true;
   for (const CloudInput& input : work.clouds.inputs) {
-    const auto count = open_stored_cloud(input, input.file(), damage)->point_count();
+    const auto count = open_stored_cloud(input, damage)->facts().point_count;
     const std::string size = size_of(input.name);
     text += line("reads", input.name,
                  (count ? fmt::format("{} points", *count) : "points not counted yet") +

@@ -212,19 +212,65 @@ class E57Appender : public RowsToFill {
 
   /// Sets how values of the next scan are read: its scaling, its pose (for normals), and the origin of its
   /// time stamps.
-  void begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin);
+  void begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin) {
+    scan_ = &scan;
+    scaling_ = &scaling;
+    time_origin_ = time_origin;
+  }
 
   /// Takes the next points, without those that are left out. Returns false as begin_row() does.
-  bool add(const E57Points& points);
+  bool add(const E57Points& points) {
+    for (std::size_t i = 0; i < points.positions.size(); ++i) {
+      if (points.is_left_out(i)) continue;
+      if (!begin_row(points.positions[i])) return false;
+      put(points, i);
+    }
+    return true;
+  }
 
   /// Numbers of values that are flagged as invalid and became 0: colours, intensities, time stamps.
   const std::array<std::uint64_t, 3>& invalid() const { return invalid_; }
 
  private:
-  void put(const E57Points& points, std::size_t i);
-  bool is_invalid(const E57Points& points, E57Role flag, std::size_t i, std::size_t kind);
+  void put(const E57Points& points, std::size_t i) {
+    const auto value = [&](E57Role role) { return points.value(role, i); };
+    const auto is_invalid = [&](E57Role flag, std::size_t kind) {
+      const bool is_flagged = points.is_flagged(flag, i);
+      invalid_[kind] += is_flagged ? 1 : 0;
+      return is_flagged;
+    };
+    if (points.has(E57Role::red) && !is_invalid(E57Role::color_invalid, 0)) {
+      cloud_.colors[row_] = {scaling_->colors[0].apply(value(E57Role::red)),
+                             scaling_->colors[1].apply(value(E57Role::green)),
+                             scaling_->colors[2].apply(value(E57Role::blue))};
+    }
+    if (points.has(E57Role::intensity) && !is_invalid(E57Role::intensity_invalid, 1))
+      cloud_.intensities[row_] = scaling_->intensities.apply(value(E57Role::intensity));
+    if (points.has(E57Role::time) && !is_invalid(E57Role::time_invalid, 2))
+      cloud_.gps_times[row_] = time_origin_ + value(E57Role::time);
+    if (points.has(E57Role::row))
+      put_index(row_dimension_, "rowIndex", "row of the scanner's grid", value(E57Role::row));
+    if (points.has(E57Role::column))
+      put_index(column_dimension_, "columnIndex", "column of the scanner's grid", value(E57Role::column));
+    // Counted from 0 in the file.
+    if (points.has(E57Role::return_index))
+      cloud_.returns[row_].number = rounded<std::uint8_t>(value(E57Role::return_index) + 1.0);
+    if (points.has(E57Role::return_count))
+      cloud_.returns[row_].count = rounded<std::uint8_t>(value(E57Role::return_count));
+    if (points.has(E57Role::normal_x)) {
+      glm::dvec3 normal(value(E57Role::normal_x), value(E57Role::normal_y), value(E57Role::normal_z));
+      if (scan_->pose && scan_->pose->is_rotated) normal = scan_->pose->rotation * normal;
+      cloud_.normals[row_] = {normal_part(normal.x), normal_part(normal.y), normal_part(normal.z)};
+    }
+  }
+
   void put_index(std::optional<std::size_t>& dimension, const char* name, const char* description,
-                 double value);
+                 double value) {
+    if (!dimension)
+      dimension = find_extra_dimension(cloud_, plain_dimension(name, ScalarType::uint32, description));
+    auto* const bytes = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[*dimension].values.data());
+    store(bytes + row_ * sizeof(std::uint32_t), rounded<std::uint32_t>(value));
+  }
 
   std::optional<std::size_t> row_dimension_{}, column_dimension_{};  ///< once a scan has one
   const E57Scan* scan_ = nullptr;
@@ -232,62 +278,6 @@ class E57Appender : public RowsToFill {
   double time_origin_ = 0.0;
   std::array<std::uint64_t, 3> invalid_{};
 };
-
-void E57Appender::begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin) {
-  scan_ = &scan;
-  scaling_ = &scaling;
-  time_origin_ = time_origin;
-}
-
-bool E57Appender::add(const E57Points& points) {
-  for (std::size_t i = 0; i < points.positions.size(); ++i) {
-    if (points.is_left_out(i)) continue;
-    if (!begin_row(points.positions[i])) return false;
-    put(points, i);
-  }
-  return true;
-}
-
-bool E57Appender::is_invalid(const E57Points& points, E57Role flag, std::size_t i, std::size_t kind) {
-  if (!points.is_flagged(flag, i)) return false;
-  ++invalid_[kind];
-  return true;
-}
-
-void E57Appender::put_index(std::optional<std::size_t>& dimension, const char* name, const char* description,
-                            double value) {
-  if (!dimension)
-    dimension = find_extra_dimension(cloud_, plain_dimension(name, ScalarType::uint32, description));
-  auto* const bytes = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[*dimension].values.data());
-  store(bytes + row_ * sizeof(std::uint32_t), rounded<std::uint32_t>(value));
-}
-
-void E57Appender::put(const E57Points& points, std::size_t i) {
-  const auto value = [&](E57Role role) { return points.value(role, i); };
-  if (points.has(E57Role::red) && !is_invalid(points, E57Role::color_invalid, i, 0)) {
-    cloud_.colors[row_] = {scaling_->colors[0].apply(value(E57Role::red)),
-                           scaling_->colors[1].apply(value(E57Role::green)),
-                           scaling_->colors[2].apply(value(E57Role::blue))};
-  }
-  if (points.has(E57Role::intensity) && !is_invalid(points, E57Role::intensity_invalid, i, 1))
-    cloud_.intensities[row_] = scaling_->intensities.apply(value(E57Role::intensity));
-  if (points.has(E57Role::time) && !is_invalid(points, E57Role::time_invalid, i, 2))
-    cloud_.gps_times[row_] = time_origin_ + value(E57Role::time);
-  if (points.has(E57Role::row))
-    put_index(row_dimension_, "rowIndex", "row of the scanner's grid", value(E57Role::row));
-  if (points.has(E57Role::column))
-    put_index(column_dimension_, "columnIndex", "column of the scanner's grid", value(E57Role::column));
-  // Counted from 0 in the file.
-  if (points.has(E57Role::return_index))
-    cloud_.returns[row_].number = rounded<std::uint8_t>(value(E57Role::return_index) + 1.0);
-  if (points.has(E57Role::return_count))
-    cloud_.returns[row_].count = rounded<std::uint8_t>(value(E57Role::return_count));
-  if (points.has(E57Role::normal_x)) {
-    glm::dvec3 normal(value(E57Role::normal_x), value(E57Role::normal_y), value(E57Role::normal_z));
-    if (scan_->pose && scan_->pose->is_rotated) normal = scan_->pose->rotation * normal;
-    cloud_.normals[row_] = {normal_part(normal.x), normal_part(normal.y), normal_part(normal.z)};
-  }
-}
 
 /// From seconds since the GPS epoch, as in E57, to adjusted standard GPS time.
 constexpr double k_adjusted_gps_time = -1e9;
@@ -315,10 +305,11 @@ std::string listed(const std::set<std::string>& names) {
 class E57Reader final : public CloudReader {
  public:
   explicit E57Reader(InputFile input) : file_(std::move(input)) {
-    about_.path = file_.pages().name();
-    about_.format = "E57";
-    about_.version =
+    facts_.file.path = file_.pages().name();
+    facts_.file.format = "E57";
+    facts_.file.version =
         fmt::format("{}.{}", file_.pages().header().version_major, file_.pages().header().version_minor);
+    facts_.bytes = file_.pages().file_size();
     std::set<std::string> unread;
     for (std::size_t i = 0; i < scans().size(); ++i) {
       const E57Roles& roles = roles_.emplace_back(scans()[i]);
@@ -328,7 +319,7 @@ class E57Reader final : public CloudReader {
         file_.pages().fail(where(i), "missing coordinates",
                            "cartesianX, Y and Z or sphericalRange, Azimuth and Elevation");
       }
-      attributes_ = attributes_ | roles.attributes();
+      facts_.attributes = facts_.attributes | roles.attributes();
       unread.insert(roles.unread().begin(), roles.unread().end());
     }
     find_time_origins();
@@ -340,10 +331,6 @@ class E57Reader final : public CloudReader {
     }
     if (!unread.empty()) warn("skipped the fields " + listed(unread));
   }
-
-  const CloudFile& file() const override { return about_; }
-  AttributeSet attributes() const override { return attributes_; }
-  FileFacts facts() const override { return facts_; }
 
   CoordinateSurvey survey(const Progress& progress) override {
     CoordinateSurvey survey;
@@ -380,11 +367,11 @@ class E57Reader final : public CloudReader {
     return survey;
   }
 
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override {
+  FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                const Progress& progress) override {
     if (!survey_) survey({});
     E57Oddities assumptions;
-    const AttributeSet kept = attributes_ & wanted;
+    const AttributeSet kept = facts_.attributes & wanted;
     const std::vector<E57Scaling> scalings = Scalings(scans(), roles_, values_, kept, assumptions).take();
     for (const std::string& assumption : assumptions.clauses()) warn(assumption);
     for (const E57Scan& scan : scans()) {
@@ -402,10 +389,9 @@ class E57Reader final : public CloudReader {
     if (!appender.complete()) file_.pages().fail({}, "the file changed while it was read");
     warn_of_gaps(kept);
     if (const auto steps = coarse_floats(*survey_)) warn(*steps);
-    about_.point_count = survey_->finite_count;
-    about_.dropped_count = survey_->dropped_count;
     warn_of_invalid(appender.invalid());
     cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
+    return read_rows(survey_->finite_count, survey_->dropped_count);
   }
 
   void rest() override { file_.pages().rest(); }
@@ -477,12 +463,9 @@ class E57Reader final : public CloudReader {
   }
 
   E57File file_;
-  CloudFile about_;
-  AttributeSet attributes_;
   std::vector<E57Roles> roles_;
   std::vector<std::size_t> filled_scans_;  ///< those with records
   std::vector<std::string> warnings_;
-  FileFacts facts_;
   std::vector<double> time_origins_;  ///< of each scan
   // Results of the first pass.
   std::vector<E57Values> values_;

@@ -66,64 +66,65 @@ class LasReader final : public CloudReader {
         columns_(file_.name(), header_, records_.extra_dimensions) {
     if (!laz_ && header_.extended_record_count == 0)
       reject_text_transfer(file_, header_.points_offset, header_.points_end());
-    about_.path = file_.name();
-    about_.format = !laz_ ? "LAS" : records_.copc_info ? "COPC" : "LAZ";
-    about_.version = fmt::format("1.{}", header_.version_minor);
-    about_.point_format = header_.point_format;
-    about_.point_count = header_.point_count;
-    if (!header_.bounds.empty()) about_.stated_bounds = header_.bounds;
-    about_.software = header_.generating_software;
-    about_.system_identifier = header_.system_identifier;
-    if (header_.creation_year > 0 && header_.creation_day > 0 && header_.creation_day <= 366) {
-      using namespace std::chrono;
-      const year_month_day day =
-          sys_days(year(header_.creation_year) / January / 1) + days(header_.creation_day - 1);
-      about_.created = fmt::format("{:04}-{:02}-{:02}", static_cast<int>(day.year()),
-                                   static_cast<unsigned>(day.month()), static_cast<unsigned>(day.day()));
-    }
+    facts_ = {.file = about(),
+              .bytes = file_.size(),
+              .attributes = columns_.attributes(),
+              .lattice = header_.lattice,
+              .point_count = header_.point_count,
+              .crs = std::move(records_.crs),
+              .gps_time_is_standard = (header_.global_encoding & k_las_gps_time_is_standard) != 0,
+              .project_id = header_.project_id,
+              .file_source_id = header_.file_source_id,
+              .box = widened_header_box(header_.bounds, header_.lattice)};
   }
 
-  const CloudFile& file() const override { return about_; }
-  AttributeSet attributes() const override { return columns_.attributes(); }
-
-  FileFacts facts() const override {
-    return {.crs = records_.crs,
-            .gps_time_is_standard = (header_.global_encoding & k_las_gps_time_is_standard) != 0,
-            .project_id = header_.project_id,
-            .file_source_id = header_.file_source_id,
-            .box = widened_header_box(header_.bounds, header_.lattice)};
-  }
-
-  std::optional<Lattice> lattice() const override { return header_.lattice; }
-  std::optional<std::uint64_t> point_count() const override { return header_.point_count; }
-
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override {
+  FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                const Progress& progress) override {
     cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
     cloud.records.insert(cloud.records.end(), records_.others.begin(), records_.others.end());
-    if (header_.point_count == 0) return;
-    const LasColumns::Choice choice = columns_.choose(wanted, cloud);
-    if (!laz_) {
-      read_plain(choice, cloud, pieces, progress);
-      return;
+    FileRead done = read_rows(header_.point_count);
+    if (header_.point_count > 0) {
+      const LasColumns::Choice choice = columns_.choose(wanted, cloud);
+      if (laz_) {
+        CloudRows rows(columns_, choice, header_.point_size, cloud, pieces);
+        LazPoints points(file_, header_, *laz_, damage_);
+        cloud.warnings.insert(cloud.warnings.end(), points.warnings().begin(), points.warnings().end());
+        done.lost = points.read(layers_of(choice.kept), rows, progress);
+        done.files.front().point_count = rows.count();
+      } else {
+        read_plain(choice, cloud, pieces, progress);
+      }
     }
-    CloudRows rows(columns_, choice, header_.point_size, cloud, pieces);
-    LazPoints points(file_, header_, *laz_, damage_);
-    cloud.warnings.insert(cloud.warnings.end(), points.warnings().begin(), points.warnings().end());
-    lost_ = points.read(layers_of(choice.kept), rows, progress);
-    about_.point_count = rows.count();
-  }
-
-  std::vector<LostPoints> lost() const override {
-    if (header_.lost_count == 0) return lost_;
-    return {{.count = header_.lost_count,
-             .location = fmt::format("byte {}", file_.size()),
-             .problem = "truncated file: it ends before its last point"}};
+    if (header_.lost_count > 0)
+      done.lost = {{.count = header_.lost_count,
+                    .location = fmt::format("byte {}", file_.size()),
+                    .problem = "truncated file: it ends before its last point"}};
+    return done;
   }
 
   void rest() override { file_.rest(); }
 
  private:
+  CloudFile about() const {
+    CloudFile file;
+    file.path = file_.name();
+    file.format = !laz_ ? "LAS" : records_.copc_info ? "COPC" : "LAZ";
+    file.version = fmt::format("1.{}", header_.version_minor);
+    file.point_format = header_.point_format;
+    file.point_count = header_.point_count;
+    if (!header_.bounds.empty()) file.stated_bounds = header_.bounds;
+    file.software = header_.generating_software;
+    file.system_identifier = header_.system_identifier;
+    if (header_.creation_year > 0 && header_.creation_day > 0 && header_.creation_day <= 366) {
+      using namespace std::chrono;
+      const year_month_day day =
+          sys_days(year(header_.creation_year) / January / 1) + days(header_.creation_day - 1);
+      file.created = fmt::format("{:04}-{:02}-{:02}", static_cast<int>(day.year()),
+                                 static_cast<unsigned>(day.month()), static_cast<unsigned>(day.day()));
+    }
+    return file;
+  }
+
   void read_plain(const LasColumns::Choice& choice, PointCloud& cloud, const CloudPieces& pieces,
                   const Progress& progress) {
     const std::size_t point_size = header_.point_size;
@@ -150,8 +151,6 @@ class LasReader final : public CloudReader {
   LasRecords records_;
   std::optional<LazLayout> laz_;
   LasColumns columns_;
-  CloudFile about_;
-  std::vector<LostPoints> lost_;  ///< of compressed points
 };
 
 }  // namespace

@@ -101,8 +101,9 @@ class PixelGrid {
 class PcdReader final : public TableReader {
  public:
   PcdReader(InputFile input, PcdHeader header, Damage damage)
-      : TableReader(std::move(input), "PCD", damage), header_(std::move(header)) {
-    description_.version = header_.version;
+      : TableReader(std::move(input), "PCD", damage, {.announced_rows = header.point_count}),
+        header_(std::move(header)) {
+    facts_.file.version = header_.version;
     std::vector<TableColumn> columns;
     std::string skipped;
     bool has_color = false;
@@ -129,14 +130,14 @@ class PcdReader final : public TableReader {
       warn("the VIEWPOINT is not a position and a quaternion of seven finite numbers, and was ignored");
   }
 
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override {
-    TableReader::read_in_pieces(cloud, wanted, pieces, progress);
+  FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                const Progress& progress) override {
+    FileRead done = TableReader::read(cloud, wanted, pieces, progress);
     if (const auto sensor = find_sensor()) cloud.scanner_positions.push_back(*sensor);
+    return done;
   }
 
  protected:
-  std::optional<std::uint64_t> announced_rows() const override { return header_.point_count; }
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     grids_.clear();
     const auto x = find_role(columns(), ColumnRole::x), y = find_role(columns(), ColumnRole::y),

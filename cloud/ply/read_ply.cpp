@@ -26,7 +26,8 @@ class PlyReader final : public TableReader {
  public:
   PlyReader(InputFile input, PlyHeader header, Damage damage)
       : TableReader(std::move(input), "PLY", damage), header_(std::move(header)) {
-    description_.version = ply_version(header_.format);
+    facts_.file.version = ply_version(header_.format);
+    rules_.announced_rows = vertex().count;
     std::vector<TableColumn> columns;
     for (const PlyProperty& property : vertex().properties) {
       columns.push_back(
@@ -35,7 +36,7 @@ class PlyReader final : public TableReader {
     assign_roles(columns, NameRules::point_format);
     take_splat_colors(columns);
     set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
-    if (is_splat_)
+    if (rules_.colors)
       warn(
           "the points are Gaussian splats: their colours are those of f_dc; opacity, scales and rotations "
           "are not used, so that each of them is a point");
@@ -43,17 +44,8 @@ class PlyReader final : public TableReader {
   }
 
  protected:
-  std::optional<std::uint64_t> announced_rows() const override { return vertex().count; }
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     return header_.format == PlyFormat::ascii ? visit_text(visit, progress) : visit_binary(visit, progress);
-  }
-
-  std::optional<ValueScaling> stated_colors() const override {
-    if (!is_splat_) return std::nullopt;
-    // Source: Kerbl et al., 3D Gaussian Splatting, 2023:
-    // colour = 0.5 + constant of the spherical harmonics * f_dc.
-    constexpr double k_constant = 0.28209479177387814;
-    return ValueScaling{.origin = -0.5 / k_constant, .factor = 65535.0 * k_constant, .assumption = {}};
   }
 
  private:
@@ -66,7 +58,11 @@ class PlyReader final : public TableReader {
         return;
       found.push_back(&*column);
     }
-    is_splat_ = true;
+    // Source: Kerbl et al., 3D Gaussian Splatting, 2023:
+    // colour = 0.5 + constant of the spherical harmonics * f_dc.
+    constexpr double k_constant = 0.28209479177387814;
+    rules_.colors =
+        ValueScaling{.origin = -0.5 / k_constant, .factor = 65535.0 * k_constant, .assumption = {}};
     constexpr ColumnRole k_roles[] = {ColumnRole::red, ColumnRole::green, ColumnRole::blue};
     for (std::size_t i = 0; i < found.size(); ++i) found[i]->role = k_roles[i];
   }
@@ -184,7 +180,6 @@ class PlyReader final : public TableReader {
   }
 
   PlyHeader header_;
-  bool is_splat_ = false;
 };
 
 }  // namespace

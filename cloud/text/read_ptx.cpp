@@ -34,7 +34,9 @@ struct ScanHeader {
 /// syntax is checked. Programs write an identity transform if the position is unknown.
 class PtxReader final : public TableReader {
  public:
-  PtxReader(InputFile input, Damage damage) : TableReader(std::move(input), "PTX", damage) {
+  PtxReader(InputFile input, Damage damage)
+      : TableReader(std::move(input), "PTX", damage,
+                    {.reason_to_drop = "without a return", .intensities = IntensityScale::unit}) {
     TextScanner scanner(input_);
     while (scanner.next_words(words_)) {
       const ScanHeader header = read_scan_header(scanner);
@@ -52,19 +54,14 @@ class PtxReader final : public TableReader {
                                      {"blue", ScalarType::float64, ColumnRole::blue}};
     columns.resize(value_count_);
     set_columns(std::move(columns), "line 1");
-  }
-
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override {
-    TableReader::read_in_pieces(cloud, wanted, pieces, progress);
-    cloud.scanner_positions.insert(cloud.scanner_positions.end(), scanners_.begin(), scanners_.end());
+    facts_.coordinate_types = {};  // the lines tell the resolution
   }
 
  protected:
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     TextScanner scanner(input_);
     written_.emplace(columns());
-    scale_ = std::numeric_limits<double>::infinity();
+    double scale = std::numeric_limits<double>::infinity();  // the smallest of the transforms
     scanners_.clear();
     while (scanner.next_words(words_)) {
       const ScanHeader header = read_scan_header(scanner);
@@ -76,20 +73,14 @@ class PtxReader final : public TableReader {
       const auto& translation = header.transform[3];
       if (header.point_count > 0 && header.transform != k_identity)
         scanners_.push_back({.scan = {}, .position = {translation[0], translation[1], translation[2]}});
-      scale_ = std::min(scale_, std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]));
+      scale = std::min(scale, std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]));
+      written_->scale = std::isfinite(scale) && scale > 0.0 ? scale : 1.0;
       visit_points(header.point_count, scanner, visit, progress, [&](std::vector<Cell>& row) {
         if (!scanner.next_words(words_)) fail_early(scanner);
         parse_row(scanner, header.transform, row);
       });
     }
   }
-
-  glm::dvec3 resolution(const Bounds&) const override {
-    if (!written_) return glm::dvec3(0.0);  // no line was read yet
-    return written_->resolution() * (std::isfinite(scale_) && scale_ > 0.0 ? scale_ : 1.0);
-  }
-  IntensityScale intensity_scale() const override { return IntensityScale::unit; }
-  std::string reason_to_drop() const override { return "without a return"; }
 
  private:
   [[noreturn]] static void fail_early(const TextScanner& scanner) {
@@ -182,8 +173,6 @@ class PtxReader final : public TableReader {
   }
 
   std::size_t value_count_ = 3;
-  double scale_ = 1.0;                     ///< smallest scale factor of the transforms
-  std::vector<ScannerPosition> scanners_;  ///< of the last pass
   bool warned_ = false;
 };
 

@@ -22,6 +22,8 @@ class TextReader final : public TableReader {
  public:
   TextReader(InputFile input, TextLayout layout, Damage damage)
       : TableReader(std::move(input), layout.format, damage), layout_(std::move(layout)) {
+    facts_.crs = layout_.crs;
+    if (layout_.format != "CSV") rules_.intensities = IntensityScale::signed_12_bit;
     set_columns(layout_.columns, "line " + std::to_string(std::max<std::uint64_t>(layout_.title_line, 1)));
     for (const std::string& remark : layout_.remarks) warn(remark);
     for (std::size_t i = 0; i < columns().size(); ++i) {
@@ -30,8 +32,6 @@ class TextReader final : public TableReader {
         without_nan_.push_back(i);
     }
   }
-
-  FileFacts facts() const override { return {.crs = layout_.crs}; }
 
  protected:
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
@@ -56,10 +56,6 @@ class TextReader final : public TableReader {
     if (!std::exchange(warned_, true)) warn_of_values();
     if (announced > 0)
       scanner.fail("truncated file", std::to_string(announced) + " more points, as the count line states");
-  }
-
-  IntensityScale intensity_scale() const override {
-    return layout_.format == "CSV" ? IntensityScale::free : IntensityScale::signed_12_bit;
   }
 
  private:

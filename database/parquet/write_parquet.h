@@ -44,7 +44,7 @@ void write_parquet(const std::filesystem::path& file, const PointCloud& facts, s
 
 /// Writes cloud files, without all points in memory. Memory: ParquetOptions::memory, two blocks of 1024
 /// points for each time that memory was full, at most some 300 MB for points in process, and that of
-/// CloudReader::read_in_pieces().
+/// CloudReader::read().
 StoredFiles write_parquet(const std::filesystem::path& file, const CloudInputs& inputs,
                           const ReadOptions& reading, const ParquetOptions& options = {});
 

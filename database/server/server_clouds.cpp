@@ -132,43 +132,21 @@ class RowPlacer {
 class ServerCloudReader final : public CloudReader {
  public:
   explicit ServerCloudReader(const std::string& name) : server_(ServerName(name)) {
-    about_.path = server_.connection().name();
-    about_.format = "PostgreSQL";
+    facts_.file.path = server_.connection().name();
+    facts_.file.format = "PostgreSQL";
     // Until the survey, ids are assumed to be row numbers.
-    columns_ = value_columns(server_.table(), has_whole_ids());
+    take_columns(has_whole_ids());
+    facts_.work = work();
     if (!cloud_row()) return;
-    about_.version = std::to_string(k_cloud_row_version);
-    about_.point_count = cloud_row()->point_count;
+    facts_.file.version = std::to_string(k_cloud_row_version);
+    facts_.file.point_count = cloud_row()->point_count;
+    facts_.lattice = cloud_row()->lattice;
+    facts_.point_count = cloud_row()->point_count;
+    facts_.crs = cloud_row()->crs;
+    facts_.gps_time_is_standard = cloud_row()->gps_time_is_standard;
+    if (!cloud_row()->box.empty()) facts_.box = cloud_row()->box;
     if (!has_whole_ids()) server_.connection().fail("missing ids of the points", "an integer column id");
     ids_are_numbers_ = true;
-  }
-
-  const CloudFile& file() const override { return about_; }
-  AttributeSet attributes() const override { return attributes_of(columns_); }
-  std::optional<Lattice> lattice() const override {
-    return cloud_row() ? std::optional(cloud_row()->lattice) : std::nullopt;
-  }
-
-  FileFacts facts() const override {
-    FileFacts facts;
-    if (!cloud_row()) return facts;
-    facts.crs = cloud_row()->crs;
-    facts.gps_time_is_standard = cloud_row()->gps_time_is_standard;
-    if (!cloud_row()->box.empty()) facts.box = cloud_row()->box;
-    return facts;
-  }
-
-  std::optional<std::uint64_t> point_count() const override {
-    return cloud_row() ? std::optional(cloud_row()->point_count) : std::nullopt;
-  }
-
-  /// Bytes to be transferred, about.
-  std::uint64_t work() const override {
-    constexpr double k_least_rows = 1.0, k_most_rows = 1e12;
-    const double rows =
-        cloud_row() ? static_cast<double>(cloud_row()->point_count) : server_.table().row_estimate;
-    const std::size_t bytes_of_row = 12 * (4 + columns_.size());
-    return static_cast<std::uint64_t>(std::clamp(rows, k_least_rows, k_most_rows)) * bytes_of_row;
   }
 
   CoordinateSurvey survey(const Progress& progress) override {
@@ -194,18 +172,18 @@ class ServerCloudReader final : public CloudReader {
                           std::max(std::abs(survey.bounds.min[axis]), std::abs(survey.bounds.max[axis])));
     }
     ids_are_numbers_ = are_row_numbers(rows, wait);
-    columns_ = value_columns(table, ids_are_numbers_);
+    take_columns(ids_are_numbers_);
     survey_ = survey;
     report(progress, work(), work());
     return survey;
   }
 
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override {
+  FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                const Progress& progress) override {
     if (!cloud_row() && !survey_) survey({});
     const bool has_dropped = survey_ && survey_->dropped_count > 0;
     const RowOrder order{count_rows(reporting(progress)), ids_are_numbers_ && !has_dropped};
-    const AttributeSet kept = attributes() & wanted;
+    const AttributeSet kept = facts_.attributes & wanted;
     RowChoice choice{.columns = kept_columns(columns_, kept), .has_ids = ids_are_numbers_};
     RowPlacer placer(server_, cloud, kept, choice.columns, order, pieces);
     // Rows that fit in one piece are sorted here, by their slots.
@@ -226,13 +204,27 @@ class ServerCloudReader final : public CloudReader {
         },
         report_progress);
     placer.finish();
-    about_.point_count = order.count;
-    if (survey_) about_.dropped_count = survey_->dropped_count;
-    warn(cloud, placer.null_count());
+    const std::uint64_t dropped = survey_ ? survey_->dropped_count : 0;
+    warn(cloud, dropped, placer.null_count());
     report(progress, all, all);
+    return read_rows(order.count, dropped);
   }
 
  private:
+  void take_columns(bool ids_are_numbers) {
+    columns_ = value_columns(server_.table(), ids_are_numbers);
+    facts_.attributes = attributes_of(columns_);
+  }
+
+  /// Bytes to be transferred, about.
+  std::uint64_t work() const {
+    constexpr double k_least_rows = 1.0, k_most_rows = 1e12;
+    const double rows =
+        cloud_row() ? static_cast<double>(cloud_row()->point_count) : server_.table().row_estimate;
+    const std::size_t bytes_of_row = 12 * (4 + columns_.size());
+    return static_cast<std::uint64_t>(std::clamp(rows, k_least_rows, k_most_rows)) * bytes_of_row;
+  }
+
   const std::optional<CloudRow>& cloud_row() const { return server_.table().cloud; }
   bool has_whole_ids() const {
     const NumberColumn* const id = server_.table().find(k_id);
@@ -268,12 +260,11 @@ class ServerCloudReader final : public CloudReader {
     return count;
   }
 
-  void warn(PointCloud& cloud, std::uint64_t null_count) const {
+  void warn(PointCloud& cloud, std::uint64_t dropped, std::uint64_t null_count) const {
     const auto say = [&](const std::string& clause) {
       cloud.warnings.push_back(server_.connection().name() + ": " + clause);
     };
-    if (about_.dropped_count > 0)
-      say(fmt::format("skipped {} points without finite coordinates", about_.dropped_count));
+    if (dropped > 0) say(fmt::format("skipped {} points without finite coordinates", dropped));
     if (null_count > 0) say(fmt::format("{} NULLs in attribute columns were read as 0", null_count));
     const std::vector<std::string>& left_out = server_.table().left_out;
     if (!left_out.empty())
@@ -284,7 +275,6 @@ class ServerCloudReader final : public CloudReader {
   bool ids_are_numbers_ = false;
   std::vector<ValueColumn> columns_{};
   std::optional<CoordinateSurvey> survey_{};
-  CloudFile about_;
 };
 
 /// The quoted names of the objects of a cloud.

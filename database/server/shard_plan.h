@@ -43,7 +43,7 @@ void check_shard_plan(const std::filesystem::path& folder, const std::string& ta
 ///
 /// Errors: those of check_shard_plan(); the folder cannot be written; fewer points than shards; too many
 /// columns for PostgreSQL; those of reading. Cancelled.
-/// Memory: ShardPlanOptions::memory, and that of CloudReader::read_in_pieces().
+/// Memory: ShardPlanOptions::memory, and that of CloudReader::read().
 StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
                              const ReadOptions& reading, std::span<const Shard> shards,
                              const ShardPlanOptions& options = {});

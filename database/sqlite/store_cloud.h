@@ -35,7 +35,7 @@ void store_cloud(const std::filesystem::path& database, const PointCloud& cloud,
 
 /// Stores cloud files (read_cloud()) as store_cloud() does, without all points in memory. Memory:
 /// StoreOptions::memory, 48 bytes per chunk, two blocks of 1024 points for each time that memory was full,
-/// some 100 MB for points in process, and that of CloudReader::read_in_pieces().
+/// some 100 MB for points in process, and that of CloudReader::read().
 StoredFiles store_files(const std::filesystem::path& database, const CloudInputs& inputs,
                         const ReadOptions& reading, const StoreOptions& options = {});
 

@@ -264,29 +264,24 @@ constexpr std::string_view k_first_bytes{"SQLite format 3\0", 16};
 
 class SqliteCloudReader final : public CloudReader {
  public:
-  explicit SqliteCloudReader(const std::string& name) : stored_(name) {
-    about_.path = name;
-    about_.format = "SQLite";
-    about_.version = std::to_string(k_cloud_table_version);
-    about_.point_count = schema().point_count;
+  explicit SqliteCloudReader(const InputFile& input) : stored_(input.name()) {
+    facts_ = {.bytes = input.size(),
+              .work = stored_.file_bytes(),
+              .attributes = stored_.attributes(),
+              .lattice = schema().lattice,
+              .point_count = schema().point_count,
+              .crs = schema().crs,
+              .gps_time_is_standard = schema().gps_time_is_standard};
+    if (schema().point_count > 0) facts_.box = stored_.bounds();
+    facts_.file.path = input.name();
+    facts_.file.format = "SQLite";
+    facts_.file.version = std::to_string(k_cloud_table_version);
+    facts_.file.point_count = schema().point_count;
   }
 
-  const CloudFile& file() const override { return about_; }
-  AttributeSet attributes() const override { return stored_.attributes(); }
-  FileFacts facts() const override {
-    FileFacts facts;
-    facts.crs = schema().crs;
-    facts.gps_time_is_standard = schema().gps_time_is_standard;
-    if (schema().point_count > 0) facts.box = stored_.bounds();
-    return facts;
-  }
-  std::optional<Lattice> lattice() const override { return schema().lattice; }
-  std::optional<std::uint64_t> point_count() const override { return schema().point_count; }
-  std::uint64_t work() const override { return stored_.file_bytes(); }
-
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override {
-    const AttributeSet kept = attributes() & wanted;
+  FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                const Progress& progress) override {
+    const AttributeSet kept = facts_.attributes & wanted;
     const auto bytes = static_cast<double>(stored_.file_bytes());
     const std::uint64_t all = schema().point_count;
     for (std::uint64_t row = 0; row < all;) {
@@ -303,6 +298,7 @@ class SqliteCloudReader final : public CloudReader {
       row += count;
     }
     report(progress, stored_.file_bytes(), stored_.file_bytes());
+    return read_rows(all);
   }
 
  private:
@@ -344,7 +340,6 @@ class SqliteCloudReader final : public CloudReader {
   }
 
   StoredCloud stored_;
-  CloudFile about_;
 };
 
 }  // namespace
@@ -393,7 +388,7 @@ const CloudFormat k_sqlite_format{
               .starts_with(k_first_bytes);
         },
     .open = [](InputFile input, Damage) -> std::unique_ptr<CloudReader> {
-      return std::make_unique<SqliteCloudReader>(input.name());
+      return std::make_unique<SqliteCloudReader>(input);
     }};
 
 }  // namespace alidade::database

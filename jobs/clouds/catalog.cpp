@@ -71,7 +71,8 @@ std::string name_in_catalog(const fs::path& file, const fs::path& catalog) {
 
 /// The box of the points themselves, and their number.
 std::pair<Bounds, std::uint64_t> measure_points(CloudReader& reader, const Listener& listener) {
-  if (!reader.lattice()) {
+  const std::optional<Lattice>& lattice = reader.facts().lattice;
+  if (!lattice) {
     const CoordinateSurvey survey =
         reader.survey([&](std::uint64_t, std::uint64_t) { return !listener.stops(); });
     return {survey.bounds, survey.finite_count};
@@ -79,40 +80,39 @@ std::pair<Bounds, std::uint64_t> measure_points(CloudReader& reader, const Liste
   constexpr std::uint64_t k_piece_bytes = std::uint64_t{64} << 20;
   std::pair<Bounds, std::uint64_t> all;
   PointCloud piece;
-  piece.lattice = *reader.lattice();
+  piece.lattice = *lattice;
   const CloudPieces pieces{.most_bytes = k_piece_bytes, .take = [&](PointCloud& part) {
                              all.first.grow(part.bounds());
                              all.second += part.size();
                              part.positions.clear();
                            }};
-  reader.read_in_pieces(piece, AttributeSet(), pieces, {});
+  reader.read(piece, AttributeSet(), pieces, {});
   pieces.take(piece);
   return all;
 }
 
 geo::CatalogFile row_of(const CloudInput& input, const CatalogRequest& request, Systems& systems,
                         const Listener& listener) {
-  InputFile file = input.file();
   if (input.format != nullptr && input.format->is_named != nullptr)
     throw file_error(input.name, "a catalog cannot list the table of a database", "files");
   geo::CatalogFile row;
   row.name = name_in_catalog(input.name, request.output);
-  row.byte_count = file.size();
   row.is_url = is_remote_name(row.name);
   std::error_code error;
   const fs::file_time_type changed = fs::last_write_time(input.name, error);
   if (!row.is_url && !error) row.modified = time_text(std::chrono::file_clock::to_sys(changed));
-  const std::unique_ptr<CloudReader> reader = open_cloud(input, std::move(file), Damage::reject);
-  const FileFacts facts = reader->facts();
-  row.format = reader->file().format;
-  const std::string& scanned = reader->file().created;
+  const std::unique_ptr<CloudReader> reader = open_cloud(input, Damage::reject);
+  const FileFacts& facts = reader->facts();
+  row.byte_count = facts.bytes;
+  row.format = facts.file.format;
+  const std::string& scanned = facts.file.created;
   row.date = !scanned.empty()       ? scanned + "T00:00:00Z"
              : row.modified.empty() ? time_text(std::chrono::system_clock::now())
                                     : row.modified;
-  row.attributes = reader->attributes();
+  row.attributes = facts.attributes;
   row.system = systems.number_of(facts.crs);
-  row.point_count = reader->point_count().value_or(0);
-  if (request.measure || !facts.box || !reader->point_count())
+  row.point_count = facts.point_count.value_or(0);
+  if (request.measure || !facts.box || !facts.point_count)
     std::tie(row.box, row.point_count) = measure_points(*reader, listener);
   if (facts.box && row.point_count > 0) row.box.grow(*facts.box);
   return row;

@@ -114,7 +114,7 @@ void describe_files(const std::vector<CloudFile>& files, const PointColumns& poi
   }
 }
 
-/// The rounding by the lattice, or by the numbers in the files (CloudReader::resolution()), whichever is
+/// The rounding by the lattice, or by the numbers in the files (FileFacts::resolution()), whichever is
 /// larger; none if integers were preserved.
 glm::dvec3 rounding_error(const PointCloud& facts, const glm::dvec3& resolution) {
   for (const CloudFile& file : facts.files)
@@ -147,14 +147,12 @@ InfoResult describe_header(const IndexFile& index) {
 InfoResult describe_points(const InfoRequest& request, Listener& listener) {
   InfoResult info;
   const Damage damage = request.partial ? Damage::read_over : Damage::reject;
-  std::vector<std::unique_ptr<CloudReader>> readers;  // of files that may have rounded their coordinates
+  std::vector<FileFacts> rounding;  // of files that may have rounded their coordinates
   for (const CloudInput& input : request.files.inputs) {
     if (input.is(k_index_format)) info.indexes.push_back(index_facts(IndexFile(input.file())));
-    std::unique_ptr<CloudReader> reader = open_cloud(input, damage);
-    info.attributes = info.attributes | reader->attributes();
-    if (reader->lattice()) continue;
-    reader->rest();
-    readers.push_back(std::move(reader));
+    const FileFacts facts = open_cloud(input, damage)->facts();
+    info.attributes = info.attributes | facts.attributes;
+    if (!facts.lattice) rounding.push_back(facts);
   }
   info.e57_files = open_e57_files(request.files);
   HeldCloud cloud = read_points(request, listener);
@@ -162,7 +160,7 @@ InfoResult describe_points(const InfoRequest& request, Listener& listener) {
   info.point_count = points.size();
   info.bounds = bounds_of(points.lattice, points.positions);
   glm::dvec3 resolution(0.0);
-  for (const auto& reader : readers) resolution = glm::max(resolution, reader->resolution(info.bounds));
+  for (const FileFacts& facts : rounding) resolution = glm::max(resolution, facts.resolution(info.bounds));
   if (request.stats) {
     info.statistics = in_stage(listener, "counting", "columns", [&](const Progress& progress) {
       return database::statistics_of(points, progress);

@@ -141,36 +141,28 @@ HugeArray<Node> check_tree(const IndexSections& sections, TreeView& tree, const 
 class IndexReader final : public CloudReader {
  public:
   explicit IndexReader(const InputFile& file) : index_(file) {
-    about_.path = index_.name();
-    about_.format = "Alidade index";
-    about_.version = std::to_string(k_index_version);
-    about_.point_count = index_.header().tree.point_count;
-    if (about_.point_count > 0) about_.stated_bounds = index_.header().tree.bounds;
-  }
-
-  const CloudFile& file() const override { return about_; }
-  std::vector<CloudFile> sources() const override {
-    const std::vector<CloudFile>& files = index_.description().files;
-    return files.empty() ? CloudReader::sources() : files;
-  }
-  AttributeSet attributes() const override { return index_.attributes(); }
-
-  FileFacts facts() const override {
     const PointCloud& own = index_.description();
     const TreeView& tree = index_.header().tree;
-    return {.crs = own.crs,
-            .gps_time_is_standard = own.gps_time_is_standard,
-            .project_id = own.project_id,
-            .file_source_id = own.file_source_id,
-            .box = widened_header_box(tree.bounds, tree.lattice)};
+    facts_ = {.sources = own.files,
+              .bytes = index_.header().file_bytes,
+              .attributes = index_.attributes(),
+              .lattice = tree.lattice,
+              .point_count = tree.point_count,
+              .crs = own.crs,
+              .gps_time_is_standard = own.gps_time_is_standard,
+              .project_id = own.project_id,
+              .file_source_id = own.file_source_id,
+              .box = widened_header_box(tree.bounds, tree.lattice)};
+    facts_.file.path = index_.name();
+    facts_.file.format = "Alidade index";
+    facts_.file.version = std::to_string(k_index_version);
+    facts_.file.point_count = tree.point_count;
+    if (tree.point_count > 0) facts_.file.stated_bounds = tree.bounds;
   }
 
-  std::optional<Lattice> lattice() const override { return index_.header().tree.lattice; }
-  std::optional<std::uint64_t> point_count() const override { return about_.point_count; }
-
   /// Each piece is a pass over the octree, since its points do not lie in the order of their rows.
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override {
+  FileRead read(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                const Progress& progress) override {
     const PointCloud& own = index_.description();
     cloud.warnings.insert(cloud.warnings.end(), own.warnings.begin(), own.warnings.end());
     cloud.scanner_positions.insert(cloud.scanner_positions.end(), own.scanner_positions.begin(),
@@ -180,10 +172,11 @@ class IndexReader final : public CloudReader {
     const std::uint64_t bytes = index_.header().file_bytes;
     index_.tree();
     report(progress, bytes / 4, bytes);
-    const AttributeSet kept = attributes() & wanted;
+    const AttributeSet kept = facts_.attributes & wanted;
+    const std::uint64_t all = facts_.file.point_count;
     std::uint64_t row = 0;
     do {
-      const std::size_t count = room_in_piece(cloud, kept, about_.point_count - row, pieces);
+      const std::size_t count = room_in_piece(cloud, kept, all - row, pieces);
       const Rows rows{static_cast<std::size_t>(row), count, cloud.size()};
       append_rows(cloud, kept, count);
       if (!recalls(pieces, cloud, count)) {
@@ -192,10 +185,10 @@ class IndexReader final : public CloudReader {
       }
       row += count;
       RemoteMap::check(index_.tree().coordinates);
-      report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, about_.point_count) * row,
-             bytes);
-    } while (row < about_.point_count);
+      report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, all) * row, bytes);
+    } while (row < all);
     report(progress, bytes, bytes);
+    return {.files = facts_.source_files()};
   }
 
  private:
@@ -236,7 +229,6 @@ class IndexReader final : public CloudReader {
   }
 
   IndexFile index_;
-  CloudFile about_;
 };
 
 /// Queries jump through an octree.

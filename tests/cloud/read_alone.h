@@ -24,11 +24,10 @@ inline PointCloud read_alone(Opener open, InputFile file, AttributeSet wanted = 
   PointCloud cloud;
   cloud.lattice = fit_lattice({&survey, 1});
   reader->rest();
-  reader->read(cloud, wanted, {});
-  cloud.files.push_back(reader->file());
+  cloud.files = reader->read(cloud, wanted, {}, {}).files;
   EXPECT_EQ(cloud.size(), survey.finite_count);
-  EXPECT_EQ(reader->file().point_count, survey.finite_count);
-  EXPECT_EQ(reader->file().dropped_count, survey.dropped_count);
+  EXPECT_EQ(cloud.files.front().point_count, survey.finite_count);
+  EXPECT_EQ(cloud.files.front().dropped_count, survey.dropped_count);
   return cloud;
 }
 

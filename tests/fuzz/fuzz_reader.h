@@ -24,7 +24,7 @@ void fuzz_opened(const Open& open, const std::uint8_t* data, std::size_t size, s
     PointCloud cloud;
     cloud.lattice = fit_lattice({&survey, 1});
     reader->rest();
-    reader->read(cloud, AttributeSet::all(), {});
+    reader->read(cloud, AttributeSet::all(), {}, {});
     if (cloud.size() != survey.finite_count || cloud.size() > largest_ratio * size) std::abort();
     for (const ExtraDimension& dimension : cloud.extra_dimensions) {
       if (dimension.values.size() != cloud.size() * static_cast<std::size_t>(dimension.byte_count))

@@ -48,7 +48,7 @@ PointCloud read_back(const std::filesystem::path& path, const Lattice& lattice) 
   PointCloud cloud;
   cloud.lattice = lattice;
   reader->survey({});
-  reader->read(cloud, AttributeSet::all(), {});
+  reader->read(cloud, AttributeSet::all(), {}, {});
   return cloud;
 }
 

@@ -48,9 +48,8 @@ TEST(Ptx, a_transform_written_by_columns_is_transposed_with_a_warning) {
 TEST(Ptx, the_resolution_is_that_of_the_written_digits_once_they_are_read) {
   const std::string text = scan("1\n1\n", k_identity, "1.25 2.5 3 0.5\n");
   const auto reader = open_ptx(InputFile(std::as_bytes(std::span(text)), "memory"), Damage::reject);
-  EXPECT_EQ(reader->resolution(Bounds(glm::dvec3(0), glm::dvec3(9))), glm::dvec3(0.0));
-  reader->survey({});
-  EXPECT_EQ(reader->resolution(Bounds(glm::dvec3(0), glm::dvec3(9))), glm::dvec3(0.005, 0.05, 0.5));
+  EXPECT_EQ(reader->facts().resolution(Bounds(glm::dvec3(0), glm::dvec3(9))), glm::dvec3(0.0));
+  EXPECT_EQ(reader->survey({}).resolution, glm::dvec3(0.005, 0.05, 0.5));
 }
 
 TEST(Ptx, cells_without_a_return_are_dropped_and_counted) {

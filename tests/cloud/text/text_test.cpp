@@ -292,7 +292,7 @@ TEST(Text, columns_without_titles_can_be_named) {
     const CoordinateSurvey survey = reader->survey({});
     PointCloud cloud;
     cloud.lattice = fit_lattice({&survey, 1});
-    reader->read(cloud, AttributeSet::all(), {});
+    reader->read(cloud, AttributeSet::all(), {}, {});
     return cloud;
   };
   const std::vector<std::string> names = {"y", "x", "z", "gps_time", " echo"};
