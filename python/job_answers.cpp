@@ -153,15 +153,6 @@ py::object answer_of(const jobs::LinesPlan&, const jobs::LinesResult& result) {
   return rows_of(rows, result.cloud->cloud.cloud.crs);
 }
 
-py::object answer_of(const jobs::PlacePlan&, const jobs::PlaceResult& result) {
-  py::dict facts;
-  facts["total"] = result.placement.total;
-  facts["best_possible"] = result.placement.best_possible;
-  facts["candidates"] = result.candidates.size();
-  facts["targets"] = result.targets.size();
-  return rows_of(visibility::placement_rows(result.placement, result.candidates), result.crs, facts);
-}
-
 py::object answer_of(const jobs::SummaryPlan& plan, const jobs::SummaryResult& result) {
   std::vector<visibility::Row> rows;
   for (std::size_t i = 0; i < result.summaries.size(); ++i)

@@ -18,7 +18,6 @@
 #include "jobs/visibility/change.h"
 #include "jobs/visibility/horizon.h"
 #include "jobs/visibility/lines.h"
-#include "jobs/visibility/place.h"
 #include "jobs/visibility/points.h"
 #include "jobs/visibility/raster.h"
 #include "jobs/visibility/sky.h"
@@ -37,7 +36,6 @@ py::object answer_of(const jobs::HorizonPlan& plan, const jobs::HorizonResult& r
 py::object answer_of(const jobs::SkyPlan& plan, const jobs::SkyResult& result);
 py::object answer_of(const jobs::SunPlan& plan, const jobs::SunResult& result);
 py::object answer_of(const jobs::LinesPlan& plan, const jobs::LinesResult& result);
-py::object answer_of(const jobs::PlacePlan& plan, const jobs::PlaceResult& result);
 py::object answer_of(const jobs::SummaryPlan& plan, const jobs::SummaryResult& result);
 py::object answer_of(const jobs::ChangePlan& plan, const jobs::ChangeResult& result);
 py::object answer_of(const jobs::InfoPlan& plan, const jobs::InfoResult& result);

@@ -252,7 +252,6 @@ std::vector<Job> core_jobs() {
           core_job("visibility sky", &jobs::add_sky_fields),
           core_job("visibility sun", &jobs::add_sun_fields),
           core_job("visibility lines", &jobs::add_lines_fields),
-          core_job("visibility place", &jobs::add_place_fields),
           core_job("visibility summary", &jobs::add_summary_fields)};
 }
 

@@ -13,6 +13,5 @@ sky = _job("visibility sky", "Compute sky-view factors: alidade.Points, or an al
 sun = _job("visibility sun", "Compute hours of direct sun and radiation: alidade.Points; with a field of maps a dict of alidade.Map; for observers "
            "alidade.Rows.")
 lines = _job("visibility lines", "Test lines of sight between pairs of positions, and their Fresnel zones: alidade.Rows, one per line.")
-place = _job("visibility place", "Choose the few observer positions that see most: alidade.Rows, one per position; none if no candidate sees a target.")
 summary = _job("visibility summary", "Summarize what each observer sees: alidade.Rows, one per observer.")
 globals().update(_added_jobs(lambda command: command.startswith("visibility ")))

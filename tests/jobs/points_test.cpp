@@ -11,7 +11,6 @@
 
 #include "base/error.h"
 #include "cloud/read_cloud.h"
-#include "jobs/visibility/place.h"
 #include "jobs/visibility/summary.h"
 #include "tests/jobs/garden_job.h"
 
@@ -67,9 +66,6 @@ TEST_F(PointsJobTest, plans_need_no_points) {
   summary.observers.positions = {k_before};
   summary.summary.step = 7.0;
   EXPECT_THROW(plan(summary), Error);
-  auto place = request<jobs::PlaceRequest>();
-  place.curve = folder / "curve.jpg";
-  EXPECT_THROW(plan(place), Error);
   EXPECT_TRUE(heard.text().empty());
   EXPECT_EQ(file_count(), 1u);
 }
@@ -87,21 +83,6 @@ TEST_F(PointsJobTest, each_observer_has_a_summary) {
   EXPECT_NEAR(result.summaries[0].area.visible, result.summaries[1].area.visible,
               0.05 * result.summaries[0].area.visible);
   EXPECT_EQ(heard.notes.back(), "2 observers");
-  EXPECT_EQ(file_count(), 1u);
-}
-
-TEST_F(PointsJobTest, places_are_chosen_or_there_are_none) {
-  auto place = request<jobs::PlaceRequest>();
-  place.candidates.positions = {k_before, k_behind};
-  place.count = 2;
-  const jobs::PlaceResult result = run(plan(place), heard);
-  ASSERT_EQ(result.placement.positions.size(), 2u);
-  EXPECT_EQ(result.candidates.size(), 2u);
-  EXPECT_EQ(result.placement.total, static_cast<double>(result.targets.size()));
-  place.class_weights = {{2, 0.0}, {6, 0.0}};
-  const jobs::PlaceResult none = run(plan(place), heard);
-  EXPECT_TRUE(none.placement.positions.empty());
-  EXPECT_EQ(heard.warnings.back(), "no candidate sees any target with a positive weight; writing nothing");
   EXPECT_EQ(file_count(), 1u);
 }
 

@@ -27,7 +27,6 @@ RETURNS = {
     "sql shard-plan": "dict[str, Any]",
     "visibility horizon": "Rows",
     "visibility lines": "Rows",
-    "visibility place": "Rows",
     "visibility points": "Points",
     "visibility raster": "Map",
     "visibility sky": "Map | Points",

@@ -94,7 +94,6 @@ def rows_of(file):
 
 @pytest.mark.parametrize("job, fields", [
     ("summary", dict(observer=OBSERVERS)),
-    ("place", dict(observer_grid=10, target_classes=2, count=3)),
     ("horizon", dict(observer=OBSERVERS[0], step=10)),
     ("sun", dict(observer=OBSERVERS, from_="2026-06-21", step=60, place=(48, 11))),
 ])

@@ -222,8 +222,6 @@ const std::vector<Mistake> k_mistakes = {
      {"missing observers", "expected --observer, --observers or --observer-grid"}},
     {{"visibility", "lines", "c.las", "--pairs", "nothere.csv", "-o", "a.csv"},
      {"nothere.csv: cannot open the file: No such file or directory"}},
-    {{"visibility", "place", "c.las", "-o", "a.csv"},
-     {"missing --count K", "expected alidade visibility place [OPTIONS] CLOUD..."}},
     {{"compare", "pic.png"}, {"nothing to compare", "expected REFERENCE and TEST, or --pairs FILE.csv"}},
     {{"compare", "pic.png", "nothere.png"}, {"nothere.png: no such file"}},
     {{"compare", "pic.png", "c.las"},

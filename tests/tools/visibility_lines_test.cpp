@@ -182,9 +182,7 @@ TEST_F(VisibilityLinesTest, wrong_positions_are_found_before_surfaces_are_measur
   write("names.csv", "from,to\nwest,north\n");
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"lines", "site.csv", "--places", "positions.csv", "--pairs", "names.csv"},
-        {"lines", "site.csv", "--places", "positions.csv", "--frequency", "5", "--transparency", "2"},
-        {"place", "site.csv", "--observer", "900,900", "--count", "1"},
-        {"place", "site.csv", "--observer", "0,0,9", "--count", "1", "--target-classes", "77"}}) {
+        {"lines", "site.csv", "--places", "positions.csv", "--frequency", "5", "--transparency", "2"}}) {
     std::vector<std::string> all = {"visibility"};
     all.insert(all.end(), words.begin(), words.end());
     all.insert(all.end(), {"-o", "out.csv"});
@@ -243,12 +241,6 @@ TEST_F(VisibilityLinesTest, other_programs_open_the_features) {
   // Two lines are cut in two by the wall.
   EXPECT_NE(ogrinfo("lines.geojson").find("Feature Count: 5"), std::string::npos) << ogrinfo("lines.geojson");
   EXPECT_NE(ogrinfo("lines.geojson").find("Geometry: 3D Line String"), std::string::npos);
-  ASSERT_EQ(run({"visibility", "place", "site.csv", "--observer", "-4,0,3", "--observer", "4,0,3", "--count",
-                 "2", "-q", "-o", "best.geojson"})
-                .exit_code,
-            0);
-  EXPECT_NE(ogrinfo("best.geojson").find("Feature Count: 2"), std::string::npos) << ogrinfo("best.geojson");
-  EXPECT_NE(ogrinfo("best.geojson").find("covered: Real"), std::string::npos);
   ASSERT_EQ(run({"visibility", "horizon", "site.csv", "--observer", "-4,0,1", "--step", "30", "-q", "-o",
                  "horizon.geojson"})
                 .exit_code,

@@ -364,7 +364,6 @@ TEST_F(VisibilityPointsTest, clouds_in_degrees_are_rejected_by_every_command) {
   write("positions.csv", "x,y,z\n690005,5325010,602\n690006,5325010,602\n");
   for (const Words& words : {Words{"points", "degrees.las", "--observer", k_eye, "-o", "out.las"},
                              {"lines", "degrees.las", "--places", "positions.csv", "-o", "out.csv"},
-                             {"place", "degrees.las", "--observer", k_eye, "--count", "1", "-o", "out.csv"},
                              {"horizon", "degrees.las", "--observer", k_eye},
                              {"sky", "degrees.las", "-o", "out.las"}}) {
     const ProgramResult result = run(with({"visibility"}, words));

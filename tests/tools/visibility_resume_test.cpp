@@ -14,12 +14,6 @@ TEST_F(ResumeTest, points_killed_at_many_moments_give_the_bytes_of_an_uninterrup
                   {"-o", "seen.las", "--lists", "who.csv"}, 12);
 }
 
-TEST_F(ResumeTest, positions_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {
-  kill_and_resume({"visibility", "place", "square.xyz", "--observer-grid", "0.03", "--target-spacing", "0.1",
-                   "--count", "3"},
-                  {"-o", "positions.json"}, 12);
-}
-
 TEST_F(ResumeTest, a_checkpoint_holds_no_absolute_path) {
   std::string eyes = "x,y,z\n";
   for (int i = 0; i < 1000; ++i) eyes += std::to_string(100 + 0.0018 * i) + ",201,6\n";

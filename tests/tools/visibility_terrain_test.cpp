@@ -176,8 +176,7 @@ TEST_F(VisibilityTerrainTest, beside_points_it_blocks_and_goes_on_as_the_ground)
   EXPECT_TRUE(contains(result.err, ", 0 cells without a value")) << result.err;
   EXPECT_TRUE(contains(result.err, "; the terrain where it is higher")) << result.err;
   for (const Words& words : {Words{"points", "--observer", "-4,0", "-o", "out.las"},
-                             Words{"sky", "--directions", "16", "-o", "out.las"},
-                             Words{"place", "--observer-grid", "5", "--count", "1", "-o", "out.csv"}}) {
+                             Words{"sky", "--directions", "16", "-o", "out.las"}}) {
     const ProgramResult one = visibility(
         words[0], with(Words(words.begin() + 1, words.end()), {"site.csv", "--terrain", "ridge.tif"}));
     EXPECT_TRUE(contains(one.err, "; terrain of 40 x 40 cells of 0.5")) << one.err;
@@ -282,8 +281,7 @@ TEST_F(VisibilityTerrainTest, holes_numbers_that_are_none_and_observers_outside)
 TEST_F(VisibilityTerrainTest, results_of_points_and_other_options_of_points_need_points) {
   for (const Words& words :
        {Words{"points", "--observer", "0,0", "-o", "out.las"}, Words{"sky", "-o", "out.las"},
-        Words{"sun", "--from", "2026-06-21", "-o", "out.las"},
-        Words{"place", "--observer-grid", "5", "--count", "1", "-o", "out.csv"}})
+        Words{"sun", "--from", "2026-06-21", "-o", "out.las"}})
     expect_error(
         words[0], with(Words(words.begin() + 1, words.end()), {"ridge.tif"}),
         "ridge.tif: a raster has no points, which this result requires; expected a point cloud, and the "

@@ -2,7 +2,6 @@
 // The commands of `alidade visibility`. Each runs a job.
 #include "jobs/visibility/horizon.h"
 #include "jobs/visibility/lines.h"
-#include "jobs/visibility/place.h"
 #include "jobs/visibility/points.h"
 #include "jobs/visibility/raster.h"
 #include "jobs/visibility/sky.h"
@@ -12,11 +11,6 @@
 
 namespace alidade::tools {
 namespace {
-
-/// ExitCode::no if no candidate sees a target.
-ExitCode place_code(const jobs::PlacePlan&, const jobs::PlaceResult& result) {
-  return result.placement.positions.empty() ? ExitCode::no : ExitCode::done;
-}
 
 /// The rows of a horizon without an output.
 ExitCode show_horizon(const jobs::HorizonPlan& plan, const jobs::HorizonResult& result) {
@@ -47,8 +41,6 @@ Command add_visibility(const Options& program) {
            jobs::add_sun_fields),
        job_command(named("lines", "Test lines of sight between pairs of positions, and their Fresnel zones"),
                    jobs::add_lines_fields),
-       job_command(named("place", "Choose the few observer positions that see most"), jobs::add_place_fields,
-                   place_code),
        job_command(named("summary", "Summarize what each observer sees in one row"),
                    jobs::add_summary_fields)}};
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cloud/crs.h"
+#include "extensions/placement/placement.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/long_run.h"
@@ -16,7 +17,6 @@
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "visibility/observers.h"
-#include "visibility/points/placement.h"
 
 namespace alidade::jobs {
 

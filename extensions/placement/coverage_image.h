@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
+#include "extensions/placement/placement.h"
 #include "image/canvas.h"
 #include "image/font.h"
-#include "visibility/points/placement.h"
 
 namespace alidade::visibility {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/points/coverage_image.h"
+#include "extensions/placement/coverage_image.h"
 
 #include <fmt/format.h>
 

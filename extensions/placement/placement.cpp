@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/points/placement.h"
+#include "extensions/placement/placement.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/points/placement.h"
+#include "extensions/placement/placement.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -10,13 +10,13 @@
 #include <set>
 
 #include "base/error.h"
+#include "extensions/placement/coverage_image.h"
 #include "image/font.h"
 #include "octree/distance.h"
 #include "tests/support/octrees.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/points/coverage_image.h"
 
 namespace alidade::test {
 

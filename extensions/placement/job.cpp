@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "jobs/visibility/place.h"
+#include "extensions/placement/job.h"
 
 #include <fmt/format.h>
 
@@ -9,13 +9,13 @@
 #include <utility>
 
 #include "base/error.h"
+#include "extensions/placement/coverage_image.h"
 #include "image/image_file.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/row_output.h"
 #include "jobs/visibility/run_fingerprint.h"
-#include "visibility/points/coverage_image.h"
 
 namespace alidade::jobs {
 namespace {
