@@ -15,7 +15,6 @@
 #include "jobs/sql/load.h"
 #include "jobs/sql/rewrite.h"
 #include "jobs/sql/statement.h"
-#include "jobs/visibility/change.h"
 #include "jobs/visibility/horizon.h"
 #include "jobs/visibility/lines.h"
 #include "jobs/visibility/points.h"
@@ -37,7 +36,6 @@ py::object answer_of(const jobs::SkyPlan& plan, const jobs::SkyResult& result);
 py::object answer_of(const jobs::SunPlan& plan, const jobs::SunResult& result);
 py::object answer_of(const jobs::LinesPlan& plan, const jobs::LinesResult& result);
 py::object answer_of(const jobs::SummaryPlan& plan, const jobs::SummaryResult& result);
-py::object answer_of(const jobs::ChangePlan& plan, const jobs::ChangeResult& result);
 py::object answer_of(const jobs::InfoPlan& plan, const jobs::InfoResult& result);
 py::object answer_of(const jobs::ConvertPlan& plan, const jobs::ConvertResult& result);
 py::object answer_of(const jobs::IndexPlan& plan, const jobs::IndexResult& result);

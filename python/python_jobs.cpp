@@ -221,10 +221,6 @@ void add_compare_fields(const jobs::Fields& fields, jobs::CompareRequest& reques
   jobs::add_compare_fields(fields, request);
 }
 
-void add_change_fields(const jobs::Fields& fields, jobs::ChangeRequest& request) {
-  jobs::add_change_fields(fields, request);
-}
-
 void add_sql_fields(const jobs::Fields& fields, jobs::SqlRequest& request) {
   jobs::add_sql_fields(fields, request);
 }
@@ -236,7 +232,6 @@ std::vector<Job> core_jobs() {
           core_job("index", &jobs::add_index_fields, answer),
           core_job("catalog", &jobs::add_catalog_fields, answer),
           core_job("convert", &jobs::add_convert_fields, answer),
-          core_job("change", &add_change_fields),
           core_job("compare", &add_compare_fields),
           {"query", "",
            [] { return std::make_unique<QueryRun<decltype(k_answer)>>(&jobs::add_query_fields, k_answer); }},

@@ -144,8 +144,9 @@ ExitCode run_chosen(const std::vector<Command>& commands, const CommandLine& wor
 }  // namespace
 
 std::optional<int> enough_threads(std::span<const std::string> words, std::uint64_t memory) {
-  constexpr std::array<std::string_view, 4> k_ray_commands = {"render", "query", "visibility", "change"};
-  if (words.size() < 2 || std::ranges::find(k_ray_commands, words[1]) == k_ray_commands.end())
+  constexpr std::array<std::string_view, 10> k_without_rays = {
+      "info", "generate", "index", "catalog", "convert", "merge", "compare", "sql", "formats", "manual"};
+  if (words.size() < 2 || std::ranges::find(k_without_rays, words[1]) != k_without_rays.end())
     return std::nullopt;
   const bool waits = std::ranges::any_of(words, [&](const std::string& word) {
     std::error_code error;
@@ -205,7 +206,7 @@ ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extens
   std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),
                                    add_catalog(program),    add_convert(program),  add_query(program),
                                    add_render(program),     add_merge(program),    add_compare(program),
-                                   add_visibility(program), add_change(program),   add_sql(program)};
+                                   add_visibility(program), add_sql(program)};
   for (const AddedCommand& added : extensions.commands) add_command(commands, program, added);
   commands.push_back(add_formats(program));
   commands.push_back(add_manual(program));

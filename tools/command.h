@@ -124,7 +124,6 @@ Command add_render(const Options& program);
 Command add_merge(const Options& program);
 Command add_compare(const Options& program);
 Command add_visibility(const Options& program);
-Command add_change(const Options& program);
 Command add_sql(const Options& program);
 Command add_formats(const Options& program);
 Command add_manual(const Options& program);

@@ -24,7 +24,6 @@ from ._answers import (
 )
 
 from . import jobs as jobs, visibility as visibility
-from .jobs import change as change
 
 __version__: str
 Progress = Callable[[int, int], Any]

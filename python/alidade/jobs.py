@@ -8,7 +8,6 @@ generate = _job("generate", "Simulate a scan of a courtyard: an alidade.Cloud, o
 index = _job("index", "Build an index file, which replaces cloud files: a dict with its size.")
 catalog = _job("catalog", "List many clouds with their bounds, so that few need be opened: a dict with the number of files.")
 convert = _job("convert", "Convert, join, crop and thin clouds: a dict with the number of points.")
-change = _job("change", "Find what has moved, gone or come between two scans, or was never seen: an alidade.Change.")
 query = _job("query", "Find the points near rays, paths and positions, and in cones, planes and boxes, which may be arrays: alidade.Rows.")
 render = _job("render", "Render images of a scene or of clouds, depth maps and rasters of the ground: an alidade.Rendering.")
 merge = _job("merge", "Join the parts of an image that machines have rendered: an alidade.RenderedImage.")

@@ -6,7 +6,7 @@ from typing import Any, Literal
 from numpy.typing import ArrayLike
 
 from . import Cloud
-from ._answers import Change, RenderedImage, Rendering, Rows
+from ._answers import RenderedImage, Rendering, Rows
 
 _File = str | PathLike[str]
 _Files = _File | Sequence[_File]
@@ -17,16 +17,6 @@ def catalog(files: _Files, *, cache: _File | None = None, allow_host: str | Sequ
             cache_size: int | str | None = None, output: _File | None = None, measure: bool = False,
             overwrite: bool = False, workers: int = -1, progress: Callable[[int, int], Any] | None = None,
             note: Callable[[str], Any] | None = None) -> dict[str, Any]: ...
-def change(before: _File, after: _File, *, classes: _List | None = None, where: str | None = None,
-           crop: _File | Sequence[float] | None = None, crop_crs: str | None = None, columns: _List | None = None,
-           crs: str | None = None, reproject: str | None = None, vertical_unit: Literal["m", "ft", "us-ft"] | None = None,
-           cache: _File | None = None, allow_host: str | Sequence[str] | None = None, cache_size: int | str | None = None,
-           output: _File | None = None, origin_before: str | ArrayLike | None = None, origins_before: _File | None = None,
-           origin_after: str | ArrayLike | None = None, origins_after: _File | None = None, no_sight: bool = False,
-           max_range: float | None = None, registration_error: float | None = None, normal_radius: float | None = None,
-           cylinder_radius: float | None = None, max_distance: float | None = None, ignore_classes: _List | None = None,
-           overwrite: bool = False, memory: int | str | None = None, partial: bool = False, workers: int = -1,
-           progress: Callable[[int, int], Any] | None = None, note: Callable[[str], Any] | None = None) -> Change: ...
 def compare(reference: _File | None = None, test: _File | None = None, *, pairs: _File | None = None,
             crop: str | ArrayLike | None = None, resize: Literal["none", "reference"] | None = None,
             mask: _File | None = None, only: str | ArrayLike | None = None, ignore: str | ArrayLike | None = None,

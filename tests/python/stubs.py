@@ -11,7 +11,6 @@ from alidade._jobs import _FIELDS, function_name, keyword
 
 # What a command of the core returns. Those of extensions return what stands in their stubs.
 RETURNS = {
-    "change": "Change",
     "catalog": "dict[str, Any]",
     "compare": "dict[str, Any]",
     "convert": "dict[str, Any]",

@@ -42,7 +42,7 @@ def function_of(command):
 
 def test_every_command_is_a_function():
     commands = set(commands_of())
-    assert {"visibility raster", "change", "query", "sql load"} <= commands
+    assert {"visibility raster", "convert", "query", "sql load"} <= commands
     assert commands - OF_THE_PROGRAM == set(_FIELDS)
 
 

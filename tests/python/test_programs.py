@@ -74,7 +74,7 @@ def test_progress_is_told_and_can_end_the_work(index):
 
 
 def test_everything_public_has_a_manual_and_a_stub():
-    stub = (ROOT / "python/alidade/__init__.pyi").read_text()
+    stub = (pathlib.Path(alidade.__file__).parent / "__init__.pyi").read_text()
     for owner in (alidade, alidade.Cloud, alidade.Index):
         for name, member in vars(owner).items():
             if name.startswith("_") or inspect.ismodule(member):

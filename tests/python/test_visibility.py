@@ -130,16 +130,6 @@ def test_sky_and_sun_are_points_or_maps(yard):
     assert alidade.visibility.sun(yard, **day).columns["SunHours"].shape == sky.columns["SkyView"].shape
 
 
-def test_changes_are_of_both_epochs(yard, tmp_path):
-    later = tmp_path / "later.las"
-    subprocess.run([PROGRAM, "generate", "courtyard", "--points", "5e4", "--seed", "2", "-o", later, "-q"], check=True)
-    answer = alidade.change(yard, later, no_sight=True)
-    for epoch, file in ((answer.before, yard), (answer.after, later)):
-        assert len(epoch.columns["Change"]) == len(alidade.open(file)) == epoch.rows["count"].sum()
-        assert epoch.rows["class"].tolist()[:2] == ["same", "moved"]
-        assert np.bincount(epoch.columns["Change"], minlength=8).tolist() == epoch.rows["count"].tolist()
-
-
 def test_notes_before_an_error_are_heard(yard):
     notes = []
     with pytest.raises(alidade.Error, match="no observer reaches the map"):

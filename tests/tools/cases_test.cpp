@@ -1,29 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Runs the folder of small inputs that once gave wrong answers in silence: a row for each, with the right
-// answer.
-#include "tests/tools/run_program.h"
+#include "tests/tools/cases.h"
 
 namespace alidade::test {
 namespace {
-
-/// One command; "@" before a word is the folder of the cases.
-struct Step {
-  Words words;
-  const char* output = "";  ///< the file that stdout goes to, if any
-};
-
-/// An input, and what the last of some commands prints about it.
-struct Case {
-  const char* name;  ///< of the input
-  std::vector<Step> steps;
-  std::vector<std::string> said;      ///< parts of its output and messages
-  std::vector<std::string> not_said;  ///< of these none
-  int exit_code = 0;
-};
-
-Step sql(const std::string& file, const std::string& statement) {
-  return {{"sql", file, statement, "--csv"}};
-}
 
 std::vector<Case> text_cases() {
   const std::string points = "SELECT x, y, z FROM points ORDER BY id";
@@ -170,8 +149,6 @@ std::vector<Case> answer_cases() {
       "max(a) "
       "FROM planes) - 1e-6"
       " OR b > (SELECT max(b) FROM planes) - 1e-6 OR c > (SELECT max(c) FROM planes) - 1e-6";
-  const Step change = {{"change", "@m3c2/C_before.csv", "@m3c2/C_after.csv", "--no-sight", "--normal-radius",
-                        "1.1", "--cylinder-radius", "2", "--max-distance", "2", "-o", "change.las"}};
   return {
       {"F_exact_plane_25.xyz",
        {{{"visibility", "points", "@F_exact_plane_25.xyz", "--observer=-24.8328,2,17.4164", "-o",
@@ -192,13 +169,6 @@ std::vector<Case> answer_cases() {
           "--resolution", "1", "-o", "seen.tif"}}},
        {"visible 86.9 %"},
        {}},
-      {"m3c2", {change}, {"moved"}, {"same"}},
-      {"m3c2, distances",
-       {change, sql("change.las",
-                    "SELECT sum(change = 0) AS same, sum(change = 1 AND abs(m3c2distance - 0.5) > 0.1) AS "
-                    "wrong, sum(change = 1) > 1000 AS many FROM points")},
-       {"same,wrong,many\n0,0,1\n"},
-       {}},
       {"L13_a.las and L13_b.las",
        {{{"info", "@L13_a.las", "@L13_b.las"}}},
        {"points      400\n", "scale                    0.001              0.001              0.001\n"},
@@ -211,29 +181,6 @@ std::vector<Case> answer_cases() {
        {"e-45"}},
   };
 }
-
-class CasesTest : public ProgramTest {
- protected:
-  void check(const Case& each, const std::filesystem::path& cases) {
-    SCOPED_TRACE(each.name);
-    ProgramResult last;
-    for (const Step& step : each.steps) {
-      Words words = step.words;
-      for (std::string& word : words)
-        if (word.starts_with('@')) word = (cases / word.substr(1)).string();
-      const std::string output = step.output;
-      last = run(words, output.empty() ? std::filesystem::path() : folder / output);
-    }
-    EXPECT_EQ(last.exit_code, each.exit_code) << last.err;
-    const std::string all = last.out + last.err;
-    for (const std::string& part : each.said)
-      EXPECT_TRUE(contains(all, part)) << part << "\nis not in\n" << all;
-    for (const std::string& part : each.not_said)
-      EXPECT_FALSE(contains(all, part)) << part << "\nis in\n" << all;
-    for (const std::string& name : names())
-      if (name != "wall.xyz") std::filesystem::remove_all(folder / name);
-  }
-};
 
 TEST_F(CasesTest, inputs_that_gave_wrong_answers_in_silence_give_the_right_ones) {
   std::vector<Case> all = text_cases();

@@ -19,8 +19,7 @@ TEST_F(UsageTest, help_lists_the_finished_commands_and_the_exit_codes) {
   const ProgramResult result = run({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  for (const char* const command :
-       {"info", "generate", "index", "query", "render", "visibility", "change", "sql"})
+  for (const char* const command : {"info", "generate", "index", "query", "render", "visibility", "sql"})
     EXPECT_TRUE(contains(result.out, command)) << command;
   for (const char* const code : {"0 success", "1 a check failed", "2 error", "130 interrupted"}) {
     EXPECT_TRUE(contains(result.out, code)) << code;

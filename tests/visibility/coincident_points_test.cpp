@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-// Points of one position. A scan may have a million of them: invalid returns at zero, or everything scanned
-// twice.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +12,7 @@
 #include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/spacing.h"
-#include "tests/support/random.h"
-#include "visibility/change/change.h"
+#include "tests/visibility/point_clusters.h"
 #include "visibility/crossing.h"
 #include "visibility/sky/sky_of_cloud.h"
 
@@ -25,29 +22,9 @@ using namespace visibility;
 
 namespace {
 
+using test::add;
 using test::Random;
-
-void add(PointCloud& cloud, const glm::dvec3& position) {
-  cloud.positions.emplace_back(glm::round(position / cloud.lattice.scale));
-}
-
-/// Ground, a wall and a bush, and clusters of equal points: at zero in the air, on the ground, in the bush
-/// and on the wall.
-PointCloud site_with_clusters(std::size_t points_of_cluster) {
-  Random random("clusters");
-  PointCloud cloud;
-  cloud.lattice = {.scale = glm::dvec3(1e-3), .offset = glm::dvec3(0)};
-  const glm::dvec3 clusters[] = {{0, 0, 0}, {1, 1, -1.7}, {4, 3, -0.5}, {-3, 0, 1}};
-  for (int i = 0; i < 3000; ++i) {
-    add(cloud, {random.between(-6, 6), random.between(-6, 6), -1.7 + random.between(-0.01, 0.01)});
-    if (i % 2 == 0)
-      add(cloud, {-3 + random.between(-0.01, 0.01), random.between(-4, 4), random.between(-1.7, 2)});
-    if (i % 5 == 0) add(cloud, glm::dvec3(4, 3, -0.5) + random.in_cube());
-    if (static_cast<std::size_t>(i) < points_of_cluster)
-      for (const glm::dvec3& cluster : clusters) add(cloud, cluster);
-  }
-  return cloud;
-}
+using test::site_with_clusters;
 
 /// Lines from the scanner, which is in a cluster, from anywhere and between clusters.
 std::vector<SightLine> lines_of(const Occluders& occluders, const PointCloud& cloud, std::size_t count) {
@@ -155,28 +132,6 @@ TEST(CoincidentPoints, are_not_tested_one_by_one) {
   EXPECT_LT(calls_per_line(cloud_of(k_count, [](std::size_t i) { return glm::dvec3(1 + i % 2, 2, 3); })),
             k_few);
   EXPECT_LT(calls_per_line(site_with_clusters(1000)), k_few);
-}
-
-TEST(CoincidentPoints, of_epochs_have_one_finding_each) {
-  const PointCloud before = site_with_clusters(3000);
-  PointCloud after = before;
-  for (auto& position : after.positions)
-    if (position.z > -1000) position.x += 40;
-  std::atomic<std::uint64_t> calls = 0;
-  const auto counts = [&](std::uint64_t) {
-    ++calls;
-    return true;
-  };
-  const Occluders old_occluders(build(before), {.counts = counts}),
-      new_occluders(build(after), {.counts = counts});
-  const Changes changes = find_changes({old_occluders, {}}, {new_occluders, {}}, {});
-  for (std::size_t id = 0; id < before.size(); ++id) {
-    const auto same = static_cast<std::size_t>(std::ranges::find(before.positions, before.positions[id]) -
-                                               before.positions.begin());
-    ASSERT_EQ(changes.before.classes[id], changes.before.classes[same]) << id;
-  }
-  // Each of them has thousands of others around it.
-  EXPECT_LT(calls, 2 * before.size() * 400);
 }
 
 }  // namespace

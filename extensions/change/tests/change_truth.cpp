@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "extensions/change/tests/changed_courtyard.h"
 #include "octree/build.h"
 #include "octree/query.h"
-#include "tests/support/changed_courtyard.h"
 
 namespace alidade {
 

@@ -10,12 +10,12 @@
 
 #include "cloud/cloud_inputs.h"
 #include "cloud/crs.h"
+#include "extensions/change/change.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/plan.h"
 #include "jobs/write_points.h"
-#include "visibility/change/change.h"
 
 namespace alidade::jobs {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "jobs/visibility/change.h"
+#include "extensions/change/job.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,10 @@
 
 #include "tools/command.h"
 
-namespace alidade::tools {
+namespace alidade::extensions {
 namespace {
+
+using namespace tools;
 
 using nlohmann::json;
 using visibility::ChangeClass;
@@ -70,9 +72,7 @@ void show_changes(const jobs::ChangeResult& result, bool as_json) {
               : table_of("BEFORE", result.before) + "\n" + table_of("AFTER", result.after));
 }
 
-}  // namespace
-
-Command add_change(const Options& program) {
+Command declare_change(const Options& program) {
   const auto command = std::make_shared<ChangeCommand>();
   const Options change =
       program.command("change", "Find what has moved, gone or come between two scans, or was never seen");
@@ -87,4 +87,10 @@ Command add_change(const Options& program) {
   });
 }
 
-}  // namespace alidade::tools
+}  // namespace
+
+void add_change(ProgramHooks& hooks) {
+  hooks.commands.push_back({"", declare_change});
+}
+
+}  // namespace alidade::extensions

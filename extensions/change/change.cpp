@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/change/change.h"
+#include "extensions/change/change.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "cloud/point_cloud.h"
+#include "extensions/change/change.h"
 #include "simulation/site.h"
-#include "visibility/change/change.h"
 
 // The courtyard in two states, scans of both, and what is true of their points.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "jobs/visibility/change.h"
+#include "extensions/change/job.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tests/support/changed_courtyard.h"
+#include "extensions/change/tests/changed_courtyard.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>

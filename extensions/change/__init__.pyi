@@ -1,0 +1,2 @@
+
+from .jobs import change as change
