@@ -127,12 +127,5 @@ TEST_F(RenderEmptyTest, colours_and_rasters_of_one_value_are_named) {
       << rasters.err;
 }
 
-TEST_F(RenderEmptyTest, photos_without_a_point_are_named) {
-  const ProgramResult some =
-      run({"visibility", "photos", "square.xyz", "--camera", "model", "-o", "seen.las"});
-  EXPECT_EQ(some.exit_code, 0) << some.err;
-  EXPECT_TRUE(contains(some.err, "1 of 3 photos see no point: 'c.jpg'")) << some.err;
-}
-
 }  // namespace
 }  // namespace alidade::test

@@ -164,6 +164,14 @@ TEST_F(VisibilityPhotosTest, outputs_do_not_depend_on_threads_or_checkpoints) {
   EXPECT_TRUE(read("f1.gpkg") == read("f2.gpkg"));
 }
 
+TEST_F(VisibilityPhotosTest, photos_without_a_point_are_named) {
+  // East of everything and towards the east.
+  write("sparse/images.txt", read("sparse/images.txt") + "3 0.5 0.5 -0.5 0.5 0 1 -100 1 away.ppm\n\n");
+  const ProgramResult some = photos({"-o", "seen.las"});
+  EXPECT_EQ(some.exit_code, 0) << some.err;
+  EXPECT_TRUE(contains(some.err, "1 of 3 photos see no point: 'away.ppm'")) << some.err;
+}
+
 TEST_F(VisibilityPhotosTest, bad_photos_are_errors) {
   std::filesystem::remove(folder / "images/west.ppm");
   expect_problem(k_colored,
