@@ -93,22 +93,24 @@ std::string explain_unknown_word(std::span<const std::string> words, const std::
   return {};
 }
 
-/// The command whose manual explains these words: "alidade query".
-std::string manual_of(std::span<const std::string> words, const std::vector<Command>& commands) {
-  std::string manual = "alidade";
+/// The words in front that name a command: "visibility raster".
+std::span<const std::string> command_of_words(std::span<const std::string> words,
+                                              const std::vector<Command>& commands) {
+  std::size_t count = 0;
   const std::vector<Command>* known = &commands;
-  for (const std::string& word : words) {
-    const Command* const command = find_command(*known, word);
+  for (; count < words.size(); ++count) {
+    const Command* const command = find_command(*known, words[count]);
     if (command == nullptr) break;
-    manual += " " + word;
     known = &command->parts;
   }
-  return manual;
+  return words.first(count);
 }
 
 ExitCode say_usage_error(const std::string& text, std::span<const std::string> words,
                          const std::vector<Command>& commands) {
-  say_error(fmt::format("{}; see '{} --help'", text, manual_of(words, commands)));
+  std::string manual = "alidade";
+  for (const std::string& word : command_of_words(words, commands)) manual += " " + word;
+  say_error(fmt::format("{}; see '{} --help'", text, manual));
   return ExitCode::failed;
 }
 
@@ -221,6 +223,12 @@ ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extens
 
   const std::string explanation = explain_unknown_word(words, commands);
   if (!explanation.empty()) return say_usage_error(explanation, words, commands);
+  // Options read files that the manual does not need.
+  const auto asks_for_help = [](const std::string& word) { return word == "--help" || word == "-h"; };
+  if (std::any_of(words.begin(), std::ranges::find(words, "--"), asks_for_help)) {
+    words.resize(command_of_words(words, commands).size());
+    words.push_back("--help");
+  }
   try {
     switch (parser.parse(words)) {
       case Parser::Action::help:

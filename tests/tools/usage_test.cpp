@@ -50,6 +50,15 @@ TEST_F(UsageTest, the_word_help_asks_for_the_manual_of_the_words_behind_it) {
   EXPECT_TRUE(contains(run({"help", "rendr"}).err, "unknown command 'rendr'; did you mean 'render'?"));
 }
 
+TEST_F(UsageTest, the_manual_needs_no_file_on_the_line) {
+  write("scene.json", "{");
+  for (const char* const scene : {"none.json", "scene.json"}) {
+    const ProgramResult result = run({"render", scene, "--samples", "x", "--help"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, run({"render", "--help"}).out);
+  }
+}
+
 TEST_F(UsageTest, a_viewshed_is_a_visibility_raster) {
   EXPECT_EQ(run({"visibility", "viewshed", "--help"}).exit_code, 0);
   EXPECT_TRUE(contains(run({"visibility", "viewshed", "--observre", "0,0"}).err,
@@ -135,7 +144,8 @@ TEST_F(UsageTest, values_that_are_not_wholly_a_number_in_range_are_errors) {
       {"--color-by", ""},       {"--hits", "first"},
       {"--layers", "color,"},   {"--layers", "colour"},
       {"--max-bounces", "-1"},  {"--samples", "1e400"},
-      {"--radius-max", "0"},    {"--radius-neighbours", "65"}};
+      {"--radius-max", "0"},    {"--radius-neighbours", "65"},
+      {"--layers", "id,id"},    {"--size", "65536x65536"}};
   for (const auto& [option, value] : wrong) {
     const ProgramResult result =
         run({"render", "--cloud", "square.xyz", "-o", "a.png", option + "=" + value});
