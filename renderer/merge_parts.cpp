@@ -155,8 +155,9 @@ std::string ranges_text(const std::vector<int>& numbers) {
   return fmt::format("{}{}", fmt::join(ranges, ", "), is_long ? ", ..." : "");
 }
 
-/// The heads by number, each once. Errors: of different images, missing, or twice with other samples.
-std::map<int, PartHead> checked_parts(std::span<const std::filesystem::path> files) {
+/// The heads by number, each once. Errors: those of check_parts().
+std::map<int, PartHead> checked_parts(std::span<const std::filesystem::path> files,
+                                      const std::filesystem::path& image) {
   std::map<int, PartHead> parts;
   std::optional<PartHead> first;
   for (const std::filesystem::path& file : files) {
@@ -181,6 +182,10 @@ std::map<int, PartHead> checked_parts(std::span<const std::filesystem::path> fil
                                   ranges_text(missing), first->part.count),
                       "the files of all parts", std::to_string(parts.size()));
   }
+  const std::string& kind = ImageEntries(first->fingerprint, first->file).value(k_kind);
+  if (!image.empty() && kind != kind_of(image))
+    throw file_error(image, fmt::format("the parts were rendered for {}", kind),
+                     kind == k_exr ? "the extension .exr" : "the extension .png, .jpg or .tif");
   return parts;
 }
 
@@ -231,15 +236,14 @@ Fingerprint image_entries(const image::OutputSettings& output, const ImageMetada
   return entries;
 }
 
+void check_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& image) {
+  checked_parts(files, image);
+}
+
 MergedImage merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& image) {
-  const std::map<int, PartHead> parts = checked_parts(files);
+  const std::map<int, PartHead> parts = checked_parts(files, image);
   const PartHead& first = parts.begin()->second;
   const ImageEntries entries(first.fingerprint, first.file);
-  if (!image.empty() && entries.value(k_kind) != kind_of(image)) {
-    throw file_error(
-        image, fmt::format("the parts were rendered for {}", entries.value(k_kind)),
-        entries.value(k_kind) == k_exr ? "the extension .exr" : "the extension .png, .jpg or .tif");
-  }
   const camera::Camera camera = entries.camera();
   MergedImage merged;
   merged.output = entries.output(image);

@@ -32,6 +32,9 @@ struct MergedImage {
   int parts = 0;
 };
 
+/// Reads the heads of the files alone. Errors: those of merge_parts() but for damage behind the heads.
+void check_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& image);
+
 /// Joins the parts of an image, in any order, for an image file of this name, if it has one: the film and the
 /// facts are those of one run. A part may be given again if it has the same samples. The files may be of
 /// machines that use other folders for the image; all else that a fingerprint has must be equal.

@@ -42,6 +42,12 @@ std::optional<int> run_encoder(const std::vector<std::string>& words) {
   return code == 127 ? std::nullopt : std::optional(code);
 }
 
+void check_video_size(const std::filesystem::path& video, int width, int height) {
+  if (width % 2 == 0 && height % 2 == 0) return;
+  throw file_error(video, "the size of a video must be even", "an even --size such as 1280x720",
+                   fmt::format("{}x{}", width, height));
+}
+
 /// The views of cameras, which are numbered.
 std::vector<camera::NamedCamera> numbered(std::vector<camera::Camera> cameras) {
   std::vector<camera::NamedCamera> views;
@@ -73,9 +79,7 @@ void take_video(FlightRequest& request, const ViewsRequest& views, std::filesyst
                       "no --camera, --panorama and --orthographic beside them");
   if (!is_video(output)) return;
   if (!request.given()) throw file_error(output, "a video requires a flight", "--orbit, or --keyframes FILE");
-  if (views.size && (views.size->width % 2 != 0 || views.size->height % 2 != 0))
-    throw file_error(output, "the size of a video must be even", "an even --size such as 1280x720",
-                     fmt::format("{}x{}", views.size->width, views.size->height));
+  if (views.size) check_video_size(output, views.size->width, views.size->height);
   check_output(output, overwrite);
   request.file = output;
   const std::filesystem::path folder = output.parent_path() / (output.stem().string() + "_frames");
@@ -91,15 +95,17 @@ std::vector<camera::NamedCamera> flight_views(const FlightRequest& request,
     throw file_error(request.keyframes, "a flight requires two keyframes",
                      "more cameras, or --camera for images");
   std::vector<camera::Camera> cameras;
-  for (const camera::NamedCamera& each : keyframes) cameras.push_back(each.camera);
+  for (const camera::NamedCamera& each : keyframes) {
+    if (!request.file.empty()) check_video_size(request.file, each.camera.width, each.camera.height);
+    cameras.push_back(each.camera);
+  }
   return numbered(camera::cameras_between(cameras, request.frames));
 }
 
 std::vector<camera::NamedCamera> orbit_views(const FlightRequest& request, const ViewsRequest& views,
                                              const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                                              const std::filesystem::path& scene_file) {
-  const ImageSize size =
-      views.size.value_or(request.file.empty() ? ImageSize{1200, 800} : ImageSize{1280, 720});
+  const ImageSize size = views.size.value_or(request.file.empty() ? k_overview_size : ImageSize{1280, 720});
   const Bounds seen = seen_bounds(scene, cloud, scene_file);
   std::vector<glm::dvec3> positions;
   if (cloud != nullptr) positions = renderer::visible_positions(*cloud);
@@ -107,9 +113,9 @@ std::vector<camera::NamedCamera> orbit_views(const FlightRequest& request, const
   return numbered(camera::orbit_cameras(positions, size.width, size.height, request.frames));
 }
 
-void write_video(const FlightRequest& request, std::span<const std::filesystem::path> images,
+bool write_video(const FlightRequest& request, std::span<const std::filesystem::path> images,
                  const std::filesystem::path& pattern, bool overwrite, Listener& listener) {
-  if (request.file.empty()) return;
+  if (request.file.empty()) return false;
   // Beside the video, which appears under its name only when it is complete.
   const std::filesystem::path unfinished =
       pattern.parent_path() / ("video" + request.file.extension().string());
@@ -126,7 +132,7 @@ void write_video(const FlightRequest& request, std::span<const std::filesystem::
     listener.warn_always(fmt::format(
         "no video: the program ffmpeg is not installed; the {} images are {}, and this joins them: {}",
         images.size(), pattern.string(), fmt::join(words, " ")));
-    return;
+    return false;
   }
   if (*code != 0)
     throw file_error(request.file,
@@ -138,6 +144,7 @@ void write_video(const FlightRequest& request, std::span<const std::filesystem::
   std::filesystem::remove(pattern.parent_path(), not_empty);
   listener.note(fmt::format("wrote {}, {} images of {:.1f} s", request.file.string(), images.size(),
                             static_cast<double>(images.size()) / request.rate));
+  return true;
 }
 
 }  // namespace alidade::jobs

@@ -45,7 +45,7 @@ struct EmptyFolder {
 void take_video(FlightRequest& request, const ViewsRequest& views, std::filesystem::path& output,
                 bool overwrite);
 
-/// The cameras of the images, through keyframes.
+/// The cameras of the images, through keyframes. Errors: fewer than two; an odd size of a video.
 std::vector<camera::NamedCamera> flight_views(const FlightRequest& request,
                                               std::span<const camera::NamedCamera> keyframes);
 
@@ -54,9 +54,10 @@ std::vector<camera::NamedCamera> orbit_views(const FlightRequest& request, const
                                              const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                                              const std::filesystem::path& scene_file);
 
-/// Makes the video with the program ffmpeg and removes its images. If ffmpeg is not installed, the images
-/// stay, and a warning has the command that joins them. Errors: ffmpeg fails.
-void write_video(const FlightRequest& request, std::span<const std::filesystem::path> images,
+/// Makes the video, if one is requested, with the program ffmpeg, and removes its images. If ffmpeg is not
+/// installed, the images stay, and a warning has the command that joins them. Returns whether there is a new
+/// video. Errors: ffmpeg fails.
+bool write_video(const FlightRequest& request, std::span<const std::filesystem::path> images,
                  const std::filesystem::path& pattern, bool overwrite, Listener& listener);
 
 }  // namespace alidade::jobs

@@ -26,6 +26,7 @@ MergePlan plan(const MergeRequest& request) {
     image::check_image_name(request.output);
     check_writable(request.output, request.overwrite, request.parts);
   }
+  renderer::check_parts(request.parts, request.output);
   return MergePlan(request, {.reads = request.parts, .writes = {request.output}});
 }
 

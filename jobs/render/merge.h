@@ -23,7 +23,7 @@ void add_merge_fields(const Fields& fields, MergeRequest& request);
 
 using MergePlan = Plan<MergeRequest>;
 
-/// Errors: an output that is no image, a part, or cannot be written.
+/// Errors: an output that is no image, a part, or cannot be written; those of renderer::check_parts().
 MergePlan plan(const MergeRequest& request);
 
 /// Writes the image, and returns it; warns if it shows no surface. Errors: those of renderer::merge_parts()

@@ -177,7 +177,7 @@ class Rendering {
   RenderResult result() {
     warn_all(listener_, plan_.warnings);
     if (plan_.is_empty()) {
-      write_video(request_.flight, plan_.finished, request_.output, request_.overwrite, listener_);
+      join_images(plan_.finished);
       remove_finished_checkpoint(plan_);
       listener_.note("all images exist");
       return std::move(result_);
@@ -319,7 +319,15 @@ class Rendering {
     say_result();
     std::vector<std::filesystem::path> images = plan_.finished;
     for (const PlannedImage& image : plan_.images) images.push_back(image.file);
-    write_video(request_.flight, images, request_.output, request_.overwrite, listener_);
+    join_images(images);
+  }
+
+  /// Replaces the images of a flight by its video, if one is requested.
+  void join_images(std::span<const std::filesystem::path> images) {
+    if (!write_video(request_.flight, images, request_.output, request_.overwrite, listener_)) return;
+    result_.files.resize(result_.files.size() - result_.images.size());
+    for (RenderedImage& image : result_.images) image.file.clear();
+    keep({request_.flight.file});
   }
 
   std::uint64_t camera_rays(const PlannedImage& image) const {

@@ -24,7 +24,7 @@ inline constexpr std::array<std::string_view, 11> k_silent_image_options = {
 /// An image as it was rendered.
 struct RenderedImage {
   camera::NamedCamera view;
-  std::filesystem::path file;  ///< that was written, of a part that of the part; empty: none
+  std::filesystem::path file;  ///< that was written, of a part that of the part; empty: none, or in a video
   image::Film film{};          ///< empty if it was written
   renderer::RenderStatistics statistics{};
 };

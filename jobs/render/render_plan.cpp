@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "base/error.h"
@@ -67,6 +68,19 @@ void complete_output(RenderRequest& request) {
   image::check_image_name(output.file);
 }
 
+/// Leaves what is beside the image to its first part. Errors: there is no image that has parts.
+void complete_part(RenderRequest& request) {
+  if (!request.part) return;
+  if (!request.flight.file.empty())
+    throw file_error(request.flight.file, "a video has no parts", "images, as in -o yard_%05d.png");
+  if (!request.ground.with_color)
+    throw file_error(request.scene.output.file, "--part requires an image", "color among --layers");
+  if (request.part->number == 1) return;
+  request.ground.layers.clear();
+  request.legend.clear();
+  request.depth = {};
+}
+
 /// Completes the scene. Errors: settings that contradict each other or do not fit the scene.
 void complete_scene(RenderRequest& request) {
   check_surfaces(request);
@@ -86,6 +100,7 @@ void complete_scene(RenderRequest& request) {
   scene.render.samples =
       request.samples.value_or(is_quick ? renderer::k_overview_samples : scene.render.samples);
   complete_output(request);
+  complete_part(request);
 }
 
 /// requested_views(), or those of a flight.
@@ -148,6 +163,9 @@ void plan_images(RenderPlan& plan, std::span<const fs::path> inputs) {
   const RenderRequest& request = plan.request();
   std::vector<fs::path> outputs;
   const std::vector<fs::path> names = names_of_images(request, plan.views);
+  // It belongs to one image, by its name.
+  if (names.size() > 1 && names.front().empty() && !request.checkpoint.file.empty())
+    throw input_error("--checkpoint requires names of the images", "-o FILE");
   for (std::size_t i = 0; i < names.size(); ++i) {
     const fs::path& written = outputs.emplace_back(request.written_file(names[i]));
     if (request.skips_existing && file_exists(written)) {
@@ -157,35 +175,25 @@ void plan_images(RenderPlan& plan, std::span<const fs::path> inputs) {
     if (request.ground.with_color && !written.empty()) check_writable(written, request.overwrite, inputs);
     plan.images.push_back({i, names[i]});
   }
-  for (const fs::path& file : request.ground.files(request.scene.output.file))
+  for (const fs::path& file : request.ground.files(request.scene.output.file)) {
     check_writable(file, request.overwrite, inputs);
+    outputs.push_back(file);
+  }
   if (!request.legend.empty()) outputs.push_back(request.legend);
   check_preview(request, outputs, inputs);
-  plan.planned = {.reads = {inputs.begin(), inputs.end()}, .writes = std::move(outputs)};
-  check_checkpoint(request.checkpoint, request.overwrite, plan.planned, renderer::is_checkpoint,
+  PlannedWork work{.reads = {inputs.begin(), inputs.end()}, .writes = std::move(outputs)};
+  check_checkpoint(request.checkpoint, request.overwrite, work, renderer::is_checkpoint,
                    "an Alidade checkpoint");
-  plan.planned.writes.push_back(request.preview);
-  const std::vector<fs::path> rasters = request.ground.files(request.scene.output.file);
-  plan.planned.writes.insert(plan.planned.writes.end(), rasters.begin(), rasters.end());
-}
-
-/// With OpenImageIO and the film of the largest view.
-double bytes_beside_points(std::span<const camera::NamedCamera> views) {
-  double pixels = 0.0;
-  for (const camera::NamedCamera& view : views)
-    pixels = std::max(pixels, 1.0 * view.camera.width * view.camera.height);
-  return 160e6 + 43.0 * pixels;
 }
 
 DepthPlan plan_depth(const RenderPlan& plan, std::span<const fs::path> inputs) {
   const RenderRequest& request = plan.request();
-  // Like the legend, they come with the first part.
-  if (request.part && request.part->number > 1) return {};
   // The run that wrote the checkpoint wrote them before.
   const bool resumes = request.checkpoint.resume && file_exists(request.checkpoint.file);
   std::vector<fs::path> others = plan.finished;
   for (const PlannedImage& image : plan.images) others.push_back(image.file);
   others.insert(others.end(), {request.legend, request.preview, request.checkpoint.file});
+  std::ranges::copy(request.ground.files(request.scene.output.file), std::back_inserter(others));
   return plan_depth_maps(request.depth, request.views, plan.views,
                          {request.overwrite, request.skips_existing || (resumes && !request.overwrite)},
                          inputs, others);
@@ -217,8 +225,7 @@ std::optional<Resumption> find_resumption(const RenderPlan& plan) {
 /// check_writable(); it would be one of the images.
 bool plan_legend(const RenderPlan& plan, std::span<const fs::path> inputs) {
   const RenderRequest& request = plan.request();
-  // Parts have one legend, which the first one writes.
-  if (request.legend.empty() || (request.part && request.part->number > 1)) return false;
+  if (request.legend.empty()) return false;
   // The run that wrote the checkpoint wrote the legend.
   const bool may_stay = !request.overwrite && (request.skips_existing || plan.is_resumed());
   if (may_stay && file_exists(request.legend)) return false;
@@ -248,6 +255,37 @@ void check_in_view(const RenderPlan& plan) {
 }
 
 }  // namespace
+
+PlannedWork RenderPlan::work() const {
+  if (is_empty()) return {.writes = {request().flight.file}};
+  PlannedWork work{.clouds = request().files,
+                   .partial = request().scene.cloud && request().scene.cloud->partial,
+                   .reads = request().other_inputs(),
+                   .bytes_per_point = 28.0};
+  // Films, and OpenImageIO.
+  const ImageSize size = request().views.size.value_or(k_overview_size);
+  double pixels = views.empty() ? 1.0 * size.width * size.height : 0.0;
+  for (const camera::NamedCamera& view : views)
+    pixels = std::max(pixels, 1.0 * view.camera.width * view.camera.height);
+  work.bytes_beside = 160e6 + 43.0 * pixels;
+  const auto write = [&work](const fs::path& file) { work.writes.push_back(file); };
+  // Images of a video are removed.
+  write(request().flight.file);
+  if (request().flight.file.empty() && request().ground.with_color)
+    for (const PlannedImage& image : images) write(request().written_file(image.file));
+  if (!images.empty()) {
+    std::ranges::for_each(request().ground.files(request().scene.output.file), write);
+    write(request().preview);
+    write(request().checkpoint.file);
+  }
+  if (writes_legend) write(request().legend);
+  for (const DepthMap& map : depth.maps) {
+    write(map.file);
+    write(map.mask);
+  }
+  if (depth.transforms) write(depth.transforms->output);
+  return work;
+}
 
 std::string shown_name(const PlannedImage& image) {
   return image.file.empty() ? "the image" : image.file.string();
@@ -285,20 +323,11 @@ RenderPlan plan(const RenderRequest& given) {
   RenderPlan plan(std::move(request), {});
   plan.frames = std::move(frames);
   plan.views = planned_views(plan.request(), plan.warnings);
-  const std::vector<fs::path> inputs = plan.request().inputs();
-  plan.planned.reads = inputs;
+  std::vector<fs::path> inputs = plan.request().other_inputs();
+  if (const auto& cloud = plan.request().scene.cloud)
+    std::ranges::copy(cloud->files, std::back_inserter(inputs));
   if (!plan.request().scene.output.file.empty() || plan.request().returns_films) plan_images(plan, inputs);
   plan.depth = plan_depth(plan, inputs);
-  plan.planned.clouds = plan.request().files;
-  plan.planned.bytes_per_point = 28.0;
-  plan.planned.bytes_beside = bytes_beside_points(plan.views);
-  plan.planned.partial = plan.request().partial;
-  if (plan.request().scene.cloud)
-    std::erase_if(plan.planned.reads, [&](const fs::path& file) {
-      return std::ranges::count(plan.request().scene.cloud->files, file) > 0;
-    });
-  for (const DepthMap& map : plan.depth.maps)
-    plan.planned.writes.insert(plan.planned.writes.end(), {map.file, map.mask});
   if (plan.is_empty()) return plan;
   if (!plan.images.empty()) plan.resumption = find_resumption(plan);
   plan.writes_legend = plan_legend(plan, inputs);

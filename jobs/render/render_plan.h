@@ -42,9 +42,7 @@ struct RenderPlan : Plan<RenderRequest> {
   std::optional<Resumption> resumption;       ///< if the request resumes
   std::shared_ptr<const EmptyFolder> frames;  ///< of a video
 
-  PlannedWork planned;
-
-  const PlannedWork& work() const { return planned; }
+  PlannedWork work() const;
   bool is_resumed() const { return resumption && resumption->samples; }
   bool is_empty() const { return images.empty() && depth.empty(); }
 };

@@ -221,10 +221,13 @@ std::string layer_list() {
 void take_layers(const std::string& text, RenderRequest& request) {
   request.layers.clear();
   request.ground.layers.clear();
-  for (const std::string& word : split_list(text)) {
+  const std::vector<std::string> words = split_list(text);
+  for (const std::string& word : words) {
     const auto known = std::ranges::find(image::k_layers, word, &image::NamedLayer::name);
     const auto ground =
         std::ranges::find(k_ground_layers, word, [](const char* name) { return std::string(name); });
+    if (std::ranges::count(words, word) > 1)
+      throw UsageError("duplicate layer; expected each layer once, found '" + word + "'");
     if (known != image::k_layers.end())
       request.layers.push_back(known->layer);
     else if (ground != std::end(k_ground_layers))
@@ -533,9 +536,8 @@ bool RenderRequest::has_site() const {
   });
 }
 
-std::vector<std::filesystem::path> RenderRequest::inputs() const {
-  std::vector<std::filesystem::path> all{scene_file, views.file, views.lens};
-  if (scene.cloud) all.insert(all.end(), scene.cloud->files.begin(), scene.cloud->files.end());
+std::vector<std::filesystem::path> RenderRequest::other_inputs() const {
+  std::vector<std::filesystem::path> all{scene_file, views.file, views.lens, flight.keyframes};
   if (const auto* sky = std::get_if<renderer::ImageSky>(&scene.sky)) all.push_back(sky->file);
   for (const renderer::Object& object : scene.objects) {
     const auto* const model = std::get_if<renderer::Model>(&object);

@@ -72,8 +72,8 @@ struct RenderRequest : CloudRequest {
   /// Whether the scene has the exact surfaces of a site.
   bool has_site() const;
 
-  /// All files that are read.
-  std::vector<std::filesystem::path> inputs() const;
+  /// All files that are read, but those of the cloud.
+  std::vector<std::filesystem::path> other_inputs() const;
 
   /// The file that is written for an image: the image, or "IMAGE.part3of20" for a part.
   std::filesystem::path written_file(const std::filesystem::path& image) const;

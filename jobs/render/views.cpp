@@ -155,6 +155,11 @@ void add_views_fields(const Fields& fields, ViewsRequest& request) {
 std::vector<camera::NamedCamera> requested_views(const ViewsRequest& request,
                                                  const std::optional<camera::Camera>& of_scene,
                                                  std::vector<std::string>& warnings) {
+  if (request.from_above && !request.resolution)
+    throw input_error("--orthographic requires --resolution", "--resolution METRES", "none");
+  if (const auto& extent = request.extent;
+      extent && !((*extent)[0] < (*extent)[2] && (*extent)[1] < (*extent)[3]))
+    throw input_error("empty --extent", "min x, min y, max x, max y");
   std::vector<camera::NamedCamera> views;
   if (!request.file.empty()) {
     camera::CameraSet set = read_camera_file(request, of_scene);
@@ -194,7 +199,7 @@ camera::NamedCamera view_of_cloud(const ViewsRequest& request, const renderer::S
                                   const std::filesystem::path& scene_file) {
   const Bounds seen = seen_bounds(scene, cloud, scene_file);
   if (!request.from_above) {
-    const ImageSize size = request.size.value_or(ImageSize{1200, 800});
+    const ImageSize size = request.size.value_or(k_overview_size);
     if (cloud == nullptr || meet(seen, model_bounds(scene)))
       return {"", camera::overview_camera(seen, size.width, size.height)};
     return {"", renderer::overview_camera(*cloud, size.width, size.height)};
@@ -209,8 +214,6 @@ camera::NamedCamera view_of_cloud(const ViewsRequest& request, const renderer::S
   }
   if (request.extent) {
     const auto& [least_x, least_y, largest_x, largest_y] = *request.extent;
-    if (!(least_x < largest_x && least_y < largest_y))
-      throw input_error("empty --extent", "min x, min y, max x, max y");
     bounds = {{least_x, least_y, bounds.min.z}, {largest_x, largest_y, bounds.max.z}};
   }
   for (const renderer::Object& object : scene.objects) {

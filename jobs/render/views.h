@@ -18,6 +18,9 @@
 
 namespace alidade::jobs {
 
+/// Of a view of the whole cloud, unless another size is requested.
+inline constexpr ImageSize k_overview_size{1200, 800};
+
 /// The cameras of images: those of a file, a panorama, an orthophoto, or without any the scene's camera, else
 /// a view of the whole cloud.
 struct ViewsRequest : CameraFileRequest {
@@ -37,7 +40,8 @@ void add_views_fields(const Fields& fields, ViewsRequest& request);
 
 /// The views that are known without the cloud: the cameras of a file, a panorama, the scene's own camera;
 /// empty if the view depends on the cloud. Every camera has passed check_camera(). `warnings` gets those of
-/// the file's reader.
+/// the file's reader. Errors: those of read_camera_file(); an orthophoto without a resolution; an empty
+/// extent.
 std::vector<camera::NamedCamera> requested_views(const ViewsRequest& request,
                                                  const std::optional<camera::Camera>& of_scene,
                                                  std::vector<std::string>& warnings);

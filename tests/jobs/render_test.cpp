@@ -200,6 +200,113 @@ TEST_F(RenderTest, a_video_without_images_leaves_no_folder) {
   EXPECT_EQ(names(), Words{"square.xyz"});
 }
 
+TEST_F(RenderTest, a_plan_has_what_is_read_and_written) {
+  write_wall("wall.obj");
+  using Files = std::vector<std::filesystem::path>;
+  const auto without_none = [](Files files) {
+    std::erase(files, "");
+    return files;
+  };
+  jobs::RenderRequest request = square("site.tif");
+  request.scene.cloud->partial = true;
+  request.scene.cloud->color = image::coloring_by("height");
+  request.scene.objects.emplace_back(
+      renderer::Model{.surfaces = {}, .mesh = renderer::MeshFile{"wall.obj", {}}});
+  request.views = {};
+  request.views.from_above = true;
+  request.views.resolution = 0.5;
+  request.ground.layers = {jobs::GroundLayer::elevation};
+  request.legend = "legend.png";
+  request.checkpoint.file = "site.checkpoint";
+  request.depth.file = "depth.npy";
+  jobs::PlannedWork work = jobs::plan(request).work();
+  EXPECT_TRUE(work.partial);
+  EXPECT_EQ(work.clouds.names(), Files{"square.xyz"});
+  EXPECT_EQ(without_none(work.reads), Files{"wall.obj"});
+  EXPECT_EQ(without_none(work.writes),
+            (Files{"site.tif", "site_elevation.tif", "site.checkpoint", "legend.png", "depth.npy"}));
+  // The other parts have no more than their part of the image.
+  request.part = renderer::ImagePart{2, 3};
+  EXPECT_EQ(without_none(jobs::plan(request).work().writes), (Files{"site.tif.part2of3", "site.checkpoint"}));
+  request.part.reset();
+  request.ground.with_color = false;
+  EXPECT_EQ(without_none(jobs::plan(request).work().writes).front(), "site.tif");
+  request.depth.file = "site.tif";
+  EXPECT_THROW(jobs::plan(request), Error) << "the raster and the depth map are one file";
+
+  request = square("image.png");
+  request.skips_existing = true;
+  write("image.png", "an image");
+  EXPECT_TRUE(without_none(jobs::plan(request).work().writes).empty());
+  EXPECT_TRUE(jobs::plan(request).work().clouds.empty());
+  const double small = jobs::plan(square("a.png")).work().bytes_beside;
+  request = square("a.png");
+  request.views.size = jobs::ImageSize{4000, 4000};
+  EXPECT_GT(jobs::plan(request).work().bytes_beside, small + 16e6 * 40);
+}
+
+TEST_F(RenderTest, a_video_replaces_its_images) {
+  write("ffmpeg", "#!/bin/sh\nfor last; do :; done\necho video > \"$last\"\n");
+  std::filesystem::permissions("ffmpeg", std::filesystem::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", (folder.string() + ":" + path).c_str(), 1);
+  jobs::RenderRequest request = square("yard.mp4");
+  request.flight.orbits = true;
+  request.flight.frames = 3;
+  EXPECT_EQ(jobs::plan(request).work().writes.front(), "yard.mp4");
+  const jobs::RenderResult result = jobs::run(jobs::plan(request), heard_);
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_EQ(result.files, (std::vector<std::filesystem::path>{"yard.mp4"}));
+  ASSERT_EQ(result.images.size(), 3u);
+  EXPECT_EQ(result.images.front().file, "");
+  EXPECT_EQ(names(), (Words{"ffmpeg", "square.xyz", "yard.mp4"}));
+}
+
+TEST_F(RenderTest, a_video_has_no_parts_and_an_even_size) {
+  write("way.csv", "x,y,z,look_at_x,look_at_y,look_at_z\n95,195,6,101,201,5\n108,195,8,101,201,5\n");
+  const auto error_of = [&](const Words& more) {
+    Words words{"square.xyz", "-o", "yard.mp4"};
+    words.insert(words.end(), more.begin(), more.end());
+    return render(words).said;
+  };
+  EXPECT_TRUE(contains(error_of({"--orbit", "--part", "1/2"}), "yard.mp4: a video has no parts"));
+  write("lens.json", R"({"version": 1, "model": "pinhole", "width": 25, "height": 16,
+    "intrinsics": {"vertical_fov": 50}, "pose": {"look_at": {"eye": [0, -5, 1], "target": [0, 0, 0]}}})");
+  write("scene.json", R"({"version": 1, "cloud": {"file": "square.xyz"}, "camera": "lens.json"})");
+  const RenderOutcome odd = render({"scene.json", "-o", "yard.mp4", "--keyframes", "way.csv"});
+  EXPECT_TRUE(contains(odd.said, "yard.mp4: the size of a video must be even")) << odd.said;
+  EXPECT_TRUE(contains(odd.said, "25x16")) << odd.said;
+  EXPECT_EQ(names(), (Words{"lens.json", "scene.json", "square.xyz", "way.csv"}));
+}
+
+TEST_F(RenderTest, rasters_of_the_ground_come_with_the_first_part) {
+  const auto part = [&](const std::string& number, const std::string& layers) {
+    return render({"square.xyz", "--orthographic", "top", "--resolution", "0.5", "--layers", layers, "-o",
+                   "site.tif", "--part", number});
+  };
+  ASSERT_TRUE(part("1/2", "color,elevation").is_done);
+  const RenderOutcome second = part("2/2", "color,elevation");
+  EXPECT_TRUE(second.is_done) << second.said;
+  EXPECT_EQ(names(), (Words{"site.tif.part1of2", "site.tif.part2of2", "site_elevation.tif", "square.xyz"}));
+  EXPECT_TRUE(contains(part("1/2", "elevation").said, "--part requires an image"));
+}
+
+TEST_F(RenderTest, a_plan_to_merge_checks_the_parts) {
+  jobs::MergeRequest merge;
+  merge.parts = {"image.png.part1of2", "image.png.part2of2"};
+  EXPECT_THROW(jobs::plan(merge), Error);
+  jobs::RenderRequest request = square("image.png");
+  request.part = renderer::ImagePart{1, 2};
+  jobs::run(jobs::plan(request), heard_);
+  merge.parts.pop_back();
+  EXPECT_THROW(jobs::plan(merge), Error) << "the second part is missing";
+  request.part = renderer::ImagePart{2, 2};
+  merge.parts.push_back(jobs::run(jobs::plan(request), heard_).files.front());
+  EXPECT_NO_THROW(jobs::plan(merge));
+  merge.output = "image.exr";
+  EXPECT_THROW(jobs::plan(merge), Error) << "the parts are of a PNG";
+}
+
 TEST_F(RenderTest, another_seed_gives_another_image) {
   ASSERT_TRUE(render(small({"--cloud", "square.xyz", "--seed", "1", "-o", "a.png"})).is_done);
   ASSERT_TRUE(render(small({"--cloud", "square.xyz", "--seed", "2", "-o", "b.png"})).is_done);
