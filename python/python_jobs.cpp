@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -274,7 +275,14 @@ py::object run_job(const Job& job, const Call& call) {
   try {
     if (job.output == Output::extra) table->waive("output");
     run->take_arrays(call.values);
-    for (const auto& [field, value] : call.values) give(*table, py::str(field), value);
+    std::set<const jobs::FieldEntry*> given;
+    for (const auto& [key, value] : call.values) {
+      const std::string name = py::str(key);
+      give(*table, name, value);
+      const jobs::FieldEntry& field = table->entry(name);
+      if (!value.is_none() && !given.insert(&field).second)
+        throw py::type_error(jobs::own_name(field) + " is given twice");
+    }
     if (std::string* const command = run->command())
       *command = jobs::command_text(*table, jobs::k_silent_image_options);
     run_watched(call.workers, call.progress, [&](const Progress& watch) {

@@ -135,5 +135,8 @@ def test_wrong_fields_are_errors(yard):
                          (dict(layers="elevation"), "layers of the ground require an orthophoto")]:
         with pytest.raises(alidade.Error, match=text):
             alidade.jobs.render(yard, **fields)
+    for fields, text in [(dict(scene="a.json"), "files is given twice"), (dict(color="height", color_by="rgb"), "color_by is given twice")]:
+        with pytest.raises(TypeError, match=text):
+            alidade.jobs.render(yard, **fields)
     with pytest.raises(alidade.Error, match="nothing to render"):
         alidade.jobs.render()
