@@ -94,21 +94,17 @@ std::string text_of(const std::optional<geo::Sun>& sun) {
 }
 
 Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options) {
-  // Taken apart as the scene is: a new setting must be written here, too.
-  const auto& [samples, max_bounces, seed, mode, ao_distance] = scene.render;
   Fingerprint fingerprint{
       {"picture", options.checkpoint ? options.checkpoint->image : ""},
       {"part", part_text(options.part)},
       {"picture version", std::to_string(k_image_version)},
-      {"seed", std::to_string(seed)},
-      {"number of samples", std::to_string(samples)},
-      {"number of bounces", std::to_string(max_bounces)},
-      {"mode", std::string(k_modes[static_cast<std::size_t>(mode)].name)},
-      {"cloud files", scene.cloud ? file_names(*scene.cloud) : "none"},
   };
   const auto add = [&](std::string name, std::string value) {
     fingerprint.push_back({std::move(name), std::move(value)});
   };
+  const Json settings = render_form().write(scene.render);
+  for (const auto& [key, value] : settings.items()) add(key, text_of(value));
+  add("cloud files", scene.cloud ? file_names(*scene.cloud) : "none");
   if (cloud != nullptr) {
     add("number of points", std::to_string(cloud->octree.size()));
     add("radius", fmt::format("{:.17g}", cloud->radius));
@@ -121,8 +117,7 @@ Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, cons
     add("points and colours", cloud_checksum(*cloud));
   }
   const Fingerprint rest{
-      {"range of ambient occlusion", fmt::format("{:.17g} {:.17g}", ao_distance.value_or(0.0),
-                                                 ambient_occlusion_distance(scene.render, cloud))},
+      {"range of ambient occlusion", fmt::format("{:.17g}", ambient_occlusion_distance(scene.render, cloud))},
       {"target noise", noise_text(options, scene)},
       {"noise sums", keeps_noise(options) ? "kept" : "not kept"},
       {"camera", scene.camera ? camera::camera_json(*scene.camera) : "none"},

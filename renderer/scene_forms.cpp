@@ -323,24 +323,6 @@ JsonKeys<Model> mesh_keys() {
                      "without albedo, the colours of the file, or grey where it has none")};
 }
 
-JsonForm<RenderSettings> render_form() {
-  return object_form<RenderSettings>(
-      "how the image is computed",
-      {key<RenderSettings>("samples", &RenderSettings::samples, whole_form<int>(1, k_max_samples),
-                           "paths per pixel"),
-       key<RenderSettings>("max_bounces", &RenderSettings::max_bounces, whole_form<int>(0, k_max_bounces),
-                           "most scattering events of a path after its first surface"),
-       key<RenderSettings>("seed", &RenderSettings::seed, whole_form<std::uint64_t>(0, UINT64_MAX),
-                           "seed of the random numbers; a different seed gives different noise"),
-       key<RenderSettings>(
-           "mode", &RenderSettings::mode, names_form<RenderMode>(k_modes, &NamedMode::mode),
-           "path: light of sun, sky and lamps; ambient_occlusion: colours, darkened where other surfaces are "
-           "near; headlight: colours lit from the camera; flat: the colours themselves"),
-       key<RenderSettings>("ao_distance", &RenderSettings::ao_distance,
-                           word_or("auto", number_form(k_length)),
-                           "range of ambient occlusion; auto: a twentieth of the cloud's diagonal")});
-}
-
 JsonForm<image::OutputSettings> output_form() {
   using image::OutputSettings;
   JsonForm<std::filesystem::path> file = file_form();
@@ -457,6 +439,25 @@ const JsonForm<Object>& scene_object_form() {
                       "about it, then moved",
                       mesh_keys(), mesh)});
   }();
+  return form;
+}
+
+const JsonForm<RenderSettings>& render_form() {
+  static const JsonForm<RenderSettings> form = object_form<RenderSettings>(
+      "how the image is computed",
+      {key<RenderSettings>("samples", &RenderSettings::samples, whole_form<int>(1, k_max_samples),
+                           "paths per pixel"),
+       key<RenderSettings>("max_bounces", &RenderSettings::max_bounces, whole_form<int>(0, k_max_bounces),
+                           "most scattering events of a path after its first surface"),
+       key<RenderSettings>("seed", &RenderSettings::seed, whole_form<std::uint64_t>(0, UINT64_MAX),
+                           "seed of the random numbers; a different seed gives different noise"),
+       key<RenderSettings>(
+           "mode", &RenderSettings::mode, names_form<RenderMode>(k_modes, &NamedMode::mode),
+           "path: light of sun, sky and lamps; ambient_occlusion: colours, darkened where other surfaces are "
+           "near; headlight: colours lit from the camera; flat: the colours themselves"),
+       key<RenderSettings>("ao_distance", &RenderSettings::ao_distance,
+                           word_or("auto", number_form(k_length)),
+                           "range of ambient occlusion; auto: a twentieth of the cloud's diagonal")});
   return form;
 }
 

@@ -19,7 +19,11 @@ inline constexpr NumberRange k_angle{-360, 360};
 /// scene, which are relative to the working directory.
 const JsonForm<Scene>& scene_form();
 
+/// What a key of scene files means, such as "cloud/color/map": its description in the schema.
+std::string meaning_of(const std::string& key);
+
 const JsonForm<CloudSettings>& cloud_form();
+const JsonForm<RenderSettings>& render_form();
 const JsonForm<Sky>& sky_form();
 /// Of points and triangles, which have colours of their own, so that the albedo may be left out.
 const JsonForm<Material>& material_form();

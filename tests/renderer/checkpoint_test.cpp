@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "renderer/scene_forms.h"
 #include "tests/renderer/mixed_scene.h"
 #include "tests/support/seal_checkpoint.h"
 
@@ -223,9 +224,9 @@ TEST_F(CheckpointTest, of_another_image_is_an_error_that_names_the_difference) {
   };
   expect_rejection("it has seed 42, this run has 2",
                    [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.seed = 2; });
-  expect_rejection("it has number of samples 5, this run has 6",
+  expect_rejection("it has samples 5, this run has 6",
                    [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.samples = 6; });
-  expect_rejection("it has number of bounces 6, this run has 7",
+  expect_rejection("it has max_bounces 6, this run has 7",
                    [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.max_bounces = 7; });
   expect_rejection("it has picture a.exr, this run has b.exr",
                    [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.checkpoint->image = "b.exr"; });
@@ -448,6 +449,21 @@ TEST(SceneText, has_every_member_of_a_cloud) {
   change(name, "ground");
   color = {.by = PointColor::attribute};
   change(color.attribute, "Range");
+}
+
+TEST(SceneText, has_every_member_of_render_settings) {
+  RenderSettings settings;
+  std::set<std::string> seen{render_form().write(settings).dump()};
+  const auto change = [&](auto& member, auto value) {
+    member = value;
+    EXPECT_TRUE(seen.insert(render_form().write(settings).dump()).second);
+  };
+  auto& [samples, max_bounces, seed, mode, ao_distance] = settings;
+  change(samples, 7);
+  change(max_bounces, 7);
+  change(seed, 7u);
+  change(mode, RenderMode::flat);
+  change(ao_distance, 7.0);
 }
 
 TEST(SceneText, has_every_member_of_what_is_around) {

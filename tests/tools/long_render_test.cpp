@@ -113,7 +113,7 @@ TEST_F(LongRenderTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
   const ProgramResult other = run(with(words, {"--resume"}));
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_TRUE(contains(other.err,
-                       "state: this checkpoint belongs to another picture: it has number of samples "
+                       "state: this checkpoint belongs to another picture: it has samples "
                        "100000, this run has 300"))
       << other.err;
   EXPECT_FALSE(contains(other.err, "% of its samples after")) << other.err;

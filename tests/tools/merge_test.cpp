@@ -174,7 +174,7 @@ TEST_F(MergeTest, missing_and_foreign_parts_are_errors_that_name_them) {
   };
   const std::string another = "this part belongs to another picture: it has ";
   rejects(with(k_render, {"--seed=2"}), "1/5", another + "seed 2, a.png.part5of5 has 1");
-  rejects(with(k_render, {"--samples=5"}), "1/5", another + "number of samples 5, a.png.part5of5 has 4");
+  rejects(with(k_render, {"--samples=5"}), "1/5", another + "samples 5, a.png.part5of5 has 4");
   rejects(with(k_render, {"--size=81x60"}), "1/5", another + "camera");
   rejects(with(k_render, {"--exposure=1"}), "1/5", another + "exposure 1, a.png.part5of5 has ");
   rejects(with(k_render, {"--sun=135,20"}), "1/5", another);
