@@ -6,6 +6,7 @@
 #include <array>
 #include <functional>
 #include <iterator>
+#include <ranges>
 #include <span>
 #include <string>
 
@@ -191,10 +192,10 @@ JsonForm<AdaptedRadius> adapted_radius_form() {
       {key<AdaptedRadius>("neighbours", &AdaptedRadius::neighbours,
                           whole_form<int>(1, k_most_spacing_neighbours),
                           "n: the distance to the n-th nearest neighbour is used"),
-       key<AdaptedRadius>(
-           "factor", &AdaptedRadius::factor, number_form(k_length),
-           "radius divided by that distance; 0.75 leaves 1 % of a surface of scattered points open, 1 leaves "
-           "none, 0.5 leaves a tenth; left out: 0.75, and 0.92 for discs"),
+       key<AdaptedRadius>("factor", &AdaptedRadius::factor, number_form(k_length),
+                          "radius divided by the distance to the n-th neighbour; 0.75 leaves 1 % of a "
+                          "surface of scattered points open, 1 leaves "
+                          "none, 0.5 leaves a tenth; left out: 0.75, and 0.92 for discs"),
        key<AdaptedRadius>(
            "max", &AdaptedRadius::max, word_or("auto", number_form(k_length)),
            "the largest radius, which limits isolated points; auto: four times what the radius auto is")});
@@ -501,6 +502,16 @@ const JsonForm<Scene>& scene_form() {
     return keys;
   }();
   return form;
+}
+
+std::string meaning_of(const std::string& key) {
+  const Json* schema = &scene_form().schema;
+  for (const auto step : std::views::split(key, '/')) {
+    // Of a value in several forms, the last one is the object.
+    if (!schema->contains("properties")) schema = &schema->at("oneOf").back();
+    schema = &schema->at("properties").at(std::string(step.begin(), step.end()));
+  }
+  return schema->at("description");
 }
 
 }  // namespace alidade::renderer

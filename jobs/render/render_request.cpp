@@ -16,6 +16,7 @@
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
+#include "renderer/scene_forms.h"
 #include "simulation/courtyard.h"
 
 namespace alidade::jobs {
@@ -191,17 +192,14 @@ void add_sun(const Fields& fields, RenderRequest& request) {
 }
 
 void add_light(const Fields& fields, RenderRequest& request) {
-  fields.choice(
-      "--mode",
-      "path: light of sun, sky and lamps (default); ambient_occlusion: colours, darker where other surfaces "
-      "are near; headlight: colours lit from the camera, no shadows; flat: colours without light",
-      request.scene.render.mode, [] {
-        std::vector<std::pair<std::string, renderer::RenderMode>> words;
-        for (const renderer::NamedMode& each : renderer::k_modes) words.emplace_back(each.name, each.mode);
-        return words;
-      }());
-  fields.value("--ao-distance", "METRES|auto",
-               "range of ambient_occlusion (default auto: a twentieth of the cloud's diagonal)",
+  fields.choice("--mode", renderer::meaning_of("render/mode") + " (default path)", request.scene.render.mode,
+                [] {
+                  std::vector<std::pair<std::string, renderer::RenderMode>> words;
+                  for (const renderer::NamedMode& each : renderer::k_modes)
+                    words.emplace_back(each.name, each.mode);
+                  return words;
+                }());
+  fields.value("--ao-distance", "METRES|auto", renderer::meaning_of("render/ao_distance") + " (default auto)",
                [&render = request.scene.render](const std::string& text) {
                  render.ao_distance =
                      text == "auto" ? std::nullopt : std::optional(parse_number(text, 1e-6, 1e12));
@@ -274,8 +272,8 @@ void add_image(const Fields& fields, RenderRequest& request) {
                            "file of its own, such as site_elevation.tif (default color)",
                            layer_list(), fmt::join(k_ground_layers, ",")),
                [&request](const std::string& text) { take_layers(text, request); });
-  fields.count("--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
-               request.scene.render.seed, 0, UINT64_MAX);
+  fields.count("--seed", "N", renderer::meaning_of("render/seed") + " (default 1)", request.scene.render.seed,
+               0, UINT64_MAX);
 }
 
 void take_radius(const std::string& text, renderer::CloudSettings& cloud) {
@@ -304,8 +302,10 @@ void add_radius(const Fields& fields, RenderRequest& request) {
         if (cloud.radius) use_spheres(request);
       });
   // Each of these requests adapted radii; they are read after --radius.
-  const auto add = [&](const std::string& name, const std::string& kind, const std::string& help,
+  const auto add = [&](const std::string& key, const std::string& kind,
                        const std::function<void(const std::string&, renderer::AdaptedRadius&)>& take) {
+    const std::string name = "--radius-" + key;
+    const std::string help = renderer::meaning_of("cloud/radius/" + key) + "; implies --radius adapted";
     fields.value(name, kind, help, [&request, name, take](const std::string& text) {
       renderer::CloudSettings& cloud = cloud_settings(request, name);
       if (is_given(request, "radius") && !cloud.adapted_radius) throw UsageError("requires --radius adapted");
@@ -315,26 +315,16 @@ void add_radius(const Fields& fields, RenderRequest& request) {
         use_spheres(request);
     });
   };
-  add("--radius-factor", "F",
-      "adapted radii are F times the distance to the neighbour (default 0.75, of discs 0.92); implies "
-      "--radius "
-      "adapted",
-      [](const std::string& text, renderer::AdaptedRadius& adapted) {
-        adapted.factor = parse_positive(text, "a positive number");
-      });
-  add("--radius-neighbours", "N",
-      "adapted radii use the distance to the N-th nearest neighbour, 1 to 64 (default "
-      "8); implies --radius adapted",
-      [](const std::string& text, renderer::AdaptedRadius& adapted) {
-        adapted.neighbours = static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
-      });
-  add("--radius-max", "R|auto",
-      "largest adapted radius in metres (default auto: four times that of --radius "
-      "auto); implies --radius adapted",
-      [](const std::string& text, renderer::AdaptedRadius& adapted) {
-        adapted.max.reset();
-        if (text != "auto") adapted.max = parse_positive(text, "auto or a positive length");
-      });
+  add("factor", "F", [](const std::string& text, renderer::AdaptedRadius& adapted) {
+    adapted.factor = parse_positive(text, "a positive number");
+  });
+  add("neighbours", "N", [](const std::string& text, renderer::AdaptedRadius& adapted) {
+    adapted.neighbours = static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
+  });
+  add("max", "R|auto", [](const std::string& text, renderer::AdaptedRadius& adapted) {
+    adapted.max.reset();
+    if (text != "auto") adapted.max = parse_positive(text, "auto or a positive length");
+  });
 }
 
 /// A given field that applies to spheres only; empty if there is none.
@@ -361,34 +351,26 @@ void add_points(const Fields& fields, RenderRequest& request) {
       "--color-depth", "bits in use in LAS colour fields (default: detected from the values)",
       {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}},
       [&request](ColorDepth depth) { cloud_settings(request, "--color-depth").color_depth = depth; });
-  fields.choice<renderer::HitMode>(
-      "--hits", "first point by sphere entry (default) or by projection, as in the paper",
-      {{"entry", renderer::HitMode::entry}, {"t", renderer::HitMode::t}}, [&request](renderer::HitMode hits) {
-        cloud_settings(request, "--hits").hits = hits;
-        use_spheres(request);
-      });
+  fields.choice<renderer::HitMode>("--hits", renderer::meaning_of("cloud/hits") + " (default entry)",
+                                   {{"entry", renderer::HitMode::entry}, {"t", renderer::HitMode::t}},
+                                   [&request](renderer::HitMode hits) {
+                                     cloud_settings(request, "--hits").hits = hits;
+                                     use_spheres(request);
+                                   });
   fields.choice<renderer::NormalMode>(
-      "--normals",
-      "normals of the spheres, or of a plane fitted to the neighbours, which smooths walls "
-      "(default: the scene's; smooth without a scene)",
+      "--normals", renderer::meaning_of("cloud/normals") + " (default: the scene's; smooth without a scene)",
       {{"sphere", renderer::NormalMode::sphere}, {"smooth", renderer::NormalMode::smooth}},
       [&request](renderer::NormalMode normals) {
         cloud_settings(request, "--normals").normals = normals;
         use_spheres(request);
       });
   fields.choice<renderer::PointShape>(
-      "--surface",
-      "what a point is to a ray: its sphere, as in the paper; the disc of the plane through its "
-      "neighbours; or "
-      "discs blended into one surface (default: the scene's, else blend, and sphere with --radius "
-      "METRES, --hits, --normals, --max-level)",
+      "--surface", renderer::meaning_of("cloud/surface"),
       {{"sphere", renderer::PointShape::sphere},
        {"disc", renderer::PointShape::disc},
        {"blend", renderer::PointShape::blend}},
       [&request](renderer::PointShape shape) { take_surface(shape, request); });
-  fields.value("--max-level", "N",
-               "only levels 0 to N of an index file made with --organisation layered: a quick preview of a "
-               "thinned cloud (default: all levels)",
+  fields.value("--max-level", "N", renderer::meaning_of("cloud/max_level") + " (default: all levels)",
                [&request](const std::string& text) {
                  const auto level = static_cast<int>(parse_count(text, 0, renderer::k_max_level));
                  cloud_settings(request, "--max-level").max_level = level;
@@ -447,18 +429,13 @@ void add_colors(const Fields& fields, RenderRequest& request) {
   const auto coloring = [&request](const char* field) -> image::PointColoring& {
     return cloud_settings(request, field).color;
   };
-  fields.value(
-      "--color-by,--color", "NAME",
-      "attribute that colours the points: rgb, intensity, height, classification, normal, "
-      "gps_time, return_number, number_of_returns, or another attribute by its name (default: "
-      "rgb if the cloud has colours, else classification if it has several classes and at least half "
-      "of the points one other than unclassified and noise, else height)",
-      [coloring](const std::string& text) { take_color(text, coloring("--color-by")); });
+  fields.value("--color-by,--color", "NAME",
+               "what colours the points. " + renderer::meaning_of("cloud/color/by") + " (default automatic)",
+               [coloring](const std::string& text) { take_color(text, coloring("--color-by")); });
   std::vector<std::pair<std::string, std::optional<image::ColorMap>>> maps{{"auto", std::nullopt}};
   for (const image::NamedColorMap& known : image::k_color_maps) maps.emplace_back(known.name, known.map);
   fields.choice<std::optional<image::ColorMap>>(
-      "--color-map",
-      "colour map of values (default auto: grey for intensity, terrain for height, else viridis)", maps,
+      "--color-map", renderer::meaning_of("cloud/color/map") + " (default auto)", maps,
       [coloring](const std::optional<image::ColorMap>& map) { coloring("--color-map").map = map; });
   const Field range = fields.value(
       "--color-range", "MIN,MAX", "values of the first and last colour (default: by percentiles)",
