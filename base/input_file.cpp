@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
@@ -16,8 +15,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/huge_memory.h"
-#include "base/remote_map.h"
+#include "base/local_map.h"
 #include "base/text_scanner.h"
 
 namespace alidade {
@@ -114,14 +112,17 @@ void InputFile::check_range(std::uint64_t offset, std::uint64_t count) const {
                std::to_string(offset <= size_ ? size_ - offset : 0));
 }
 
+std::unique_ptr<RemoteFile> InputFile::open_again() const {
+  std::unique_ptr<RemoteFile> remote = open_remote_file(address_);
+  if (remote->size() == size_ && remote->version() == version_) return remote;
+  throw file_error(name_, "the file changed while it was read; read it again",
+                   fmt::format("{} bytes, version {}", size_, version_),
+                   fmt::format("{} bytes, version {}", remote->size(), remote->version()));
+}
+
 void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
   if (is_remote()) {
-    if (!remote_) remote_ = open_remote_file(address_);
-    if (remote_->size() != size_ || remote_->version() != version_)
-      throw Error({.file = name_,
-                   .problem = "the file changed while it was read; read it again",
-                   .expected = fmt::format("{} bytes, version {}", size_, version_),
-                   .found = fmt::format("{} bytes, version {}", remote_->size(), remote_->version())});
+    if (!remote_) remote_ = open_again();
     return remote_->read(offset, into);
   }
   if (!descriptor_.is_open()) descriptor_ = FileDescriptor(address_, k_read_flags);
@@ -130,6 +131,20 @@ void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
   fail_at_byte(name_, offset + count,
                errno != 0 ? std::string("cannot read the file: ") + std::strerror(errno)
                           : "the file was truncated while it was read");
+}
+
+MappedBytes InputFile::map(const Progress& progress) const {
+  if (is_remote()) return open_again()->map(progress);
+  if (!memory_) {
+    const FileDescriptor file(address_, k_read_flags);  // closed when the map is made
+    return map_file(file, file.size_of_regular(name_), name_);
+  }
+  constexpr std::align_val_t k_page{4096};
+  void* const copy = ::operator new(memory_->size(), k_page);
+  std::ranges::copy(*memory_, static_cast<std::byte*>(copy));
+  return {{static_cast<const std::byte*>(copy), memory_->size()},
+          std::shared_ptr<const void>(
+              copy, [](const void* at) { ::operator delete(const_cast<void*>(at), k_page); })};
 }
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> into) {
@@ -184,40 +199,6 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
   text.resize(static_cast<std::size_t>(stream.gcount()));
   reject_utf16(text, file.string());
   return text;
-}
-
-MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
-  if (file.is_remote()) {
-    if (const std::shared_ptr<RemoteMap> map = RemoteMap::open(file.address())) {
-      storage_ = map;
-      bytes_ = map->bytes();
-      return;
-    }
-  }
-  if (file.memory() || file.is_remote()) {
-    constexpr std::align_val_t k_page{4096};
-    const auto size = static_cast<std::size_t>(file.size());
-    check_memory(size, "a remote index file");
-    void* const copy = ::operator new(size, k_page);
-    storage_ = std::shared_ptr<const void>(
-        copy, [](const void* at) { ::operator delete(const_cast<void*>(at), k_page); });
-    const std::span<std::byte> bytes(static_cast<std::byte*>(copy), size);
-    file.memory() ? InputFile(*file.memory(), name_).read_at(0, bytes)
-                  : InputFile(file.address()).read_at(0, bytes);
-    bytes_ = bytes;
-    return;
-  }
-  const std::shared_ptr<const LocalMap> map = LocalMap::open(file.address(), name_);
-  storage_ = map;
-  bytes_ = map->bytes();
-}
-
-void MappedFile::fetch(std::span<const std::byte> bytes) noexcept {
-  if (const std::shared_ptr<RemoteMap> map = RemoteMap::find(bytes.data())) return map->fetch(bytes);
-  constexpr std::uintptr_t k_page = 4096;
-  const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()) / k_page * k_page;
-  const auto end = reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size();
-  ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_WILLNEED);
 }
 
 }  // namespace alidade

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/progress.h"
+
 namespace alidade {
 
 /// A file descriptor, closed with the object; -1: none.
@@ -46,6 +48,12 @@ class FileDescriptor {
   int number_ = -1;
 };
 
+/// Bytes in memory, and what keeps them there.
+struct MappedBytes {
+  std::span<const std::byte> bytes;
+  std::shared_ptr<const void> storage;
+};
+
 /// A file that the system cannot open itself.
 class RemoteFile {
  public:
@@ -55,6 +63,9 @@ class RemoteFile {
   virtual std::string version() const = 0;
   /// Copies bytes, all of them within the file. Errors: reading failed.
   virtual void read(std::uint64_t offset, std::span<std::byte> into) = 0;
+  /// Fetches the whole file to this machine and maps it into memory. `progress` is in bytes. Errors: the user
+  /// does not permit it; the disk has no room; those of read(). Cancelled.
+  virtual MappedBytes map(const Progress& progress) = 0;
 };
 
 /// Whether a name is that of a remote file: it begins with "https://", "http://", "s3://", "gs://", "az://",
@@ -99,11 +110,19 @@ class InputFile {
   /// As view(), but at the file's end the bytes that are left, maybe none.
   std::span<const std::byte> view_up_to(std::uint64_t offset, std::size_t count);
 
+  /// All bytes in memory, from a multiple of 4096 on: a file on this machine is mapped (base/local_map.h),
+  /// one in memory copied, a remote one fetched whole (RemoteFile::map()), which `progress` is for. Cost:
+  /// constant for a file on this machine. Errors: those of opening it again, map_file() and
+  /// RemoteFile::map(); a remote file has changed.
+  MappedBytes map(const Progress& progress = {}) const;
+
   /// Gives back the file handle and the buffer until the next call that needs them, so that thousands of
   /// files can wait for their turn.
   void rest();
 
  private:
+  /// Opens the remote file again. Errors: it has changed.
+  std::unique_ptr<RemoteFile> open_again() const;
   void fill(std::uint64_t offset, std::span<std::byte> into);
   void check_range(std::uint64_t offset, std::uint64_t count) const;
 
@@ -167,40 +186,6 @@ class ByteCursor {
   std::uint64_t window_offset_;
   std::span<const std::byte> window_;
   std::size_t used_ = 0;
-};
-
-/// A file's bytes in memory without reading them: the system fetches pages on first access, and programs that
-/// map one file share them. Copies share the map. Read only; safe to use from many threads.
-///
-/// Touching them cannot fail. If the file gets shorter or its disk fails meanwhile (base/local_map.h), or the
-/// network fails (base/remote_map.h), missing bytes are zeros: code that reads them calls RemoteMap::check()
-/// before the result counts. Replacing the file by renaming, as OutputFile does, leaves maps as they were.
-///
-/// Of a file larger than available_memory() the system reads single pages: jumps through it would else push
-/// out needed pages by their neighbours. fetch() is for sequential passes.
-class MappedFile {
- public:
-  /// Maps the file that `file` names. A file in memory is copied. The pages of a remote one arrive when they
-  /// are touched (base/remote_map.h); where the system does not permit that, it is copied whole. Cost:
-  /// constant for a file on disk. Errors: it is missing, unreadable or not a regular file; those of
-  /// RemoteMap::open().
-  explicit MappedFile(const InputFile& file);
-
-  /// InputFile::name().
-  const std::string& name() const { return name_; }
-  /// All bytes; they begin at a multiple of 4096.
-  std::span<const std::byte> bytes() const { return bytes_; }
-  /// What keeps the bytes alive.
-  const std::shared_ptr<const void>& storage() const { return storage_; }
-
-  /// Asks the system to begin reading some bytes of a map at once; those of a remote file are there
-  /// afterwards.
-  static void fetch(std::span<const std::byte> bytes) noexcept;
-
- private:
-  std::string name_;
-  std::span<const std::byte> bytes_;
-  std::shared_ptr<const void> storage_;
 };
 
 }  // namespace alidade

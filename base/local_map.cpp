@@ -1,51 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "base/local_map.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
 #include <signal.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
-#include <cerrno>
-#include <cstdint>
+#include <atomic>
+#include <memory>
 #include <mutex>
-#include <set>
+#include <utility>
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "base/input_file.h"
+#include "base/shown_text.h"
 
 namespace alidade {
 namespace {
-
-const auto k_page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));  // 64 KiB on some ARM systems
 
 /// The addresses of a map, as the handler of a signal may read them at any time: ranges are never deleted,
 /// but used again.
 struct MapRange {
   std::atomic<std::uintptr_t> begin = 0, end = 0;  ///< end 0: free
-  std::atomic<bool> has_failed = false;
+  std::string message;                             ///< does not change while `end` is not 0
   MapRange* next = nullptr;
 };
 std::atomic<MapRange*> first_range = nullptr;
+std::mutex ranges_mutex;
 
-class WatchedMap;
-
-/// State that the handler of signals does not read.
-struct Registry {
-  std::mutex mutex;
-  std::set<const WatchedMap*> maps;
-  bool has_handler = false;
-};
 /// The handler of SIGBUS before ours.
 struct sigaction handler_before {};
 
-Registry& registry() {
-  static Registry& registry = *new Registry;
-  return registry;
-}
-
+/// Requires the mutex.
 MapRange* free_range() {
   for (MapRange* range = first_range; range != nullptr; range = range->next)
     if (range->end == 0) return range;
@@ -55,122 +39,81 @@ MapRange* free_range() {
   return made;
 }
 
-class WatchedMap final : public LocalMap {
- public:
-  WatchedMap(const std::string& path, std::string name) : path_(path), name_(std::move(name)) {
-    const FileDescriptor file(path_, O_RDONLY | O_CLOEXEC);  // closed when the map is made
-    const auto size = static_cast<std::size_t>(file.size_of_regular(name_));
-    if (::fstat(file.number(), &status_) != 0) throw system_error(name_, "cannot read the file");
-    if (size == 0) return;
-    void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file.number(), 0);
-    if (map == MAP_FAILED) throw system_error(name_, "cannot map the file into memory");
-    bytes_ = {static_cast<const std::byte*>(map), size};
-    if (size > available_memory().value_or(size)) ::madvise(map, size, MADV_RANDOM);
-    const std::scoped_lock lock(registry().mutex);
-    install_handler();
-    range_ = free_range();
-    range_->begin = reinterpret_cast<std::uintptr_t>(map);
-    range_->end = range_->begin + size;
-    registry().maps.insert(this);
+/// Only calls what signal handlers may.
+void on_bus_error(int number, siginfo_t* info, void* context) {
+  constexpr int k_failed = 2;  // as the program's for anything wrong
+  static std::atomic_flag is_ending = ATOMIC_FLAG_INIT;
+  const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
+  for (const MapRange* range = first_range; range != nullptr; range = range->next) {
+    const std::uintptr_t begin = range->begin, end = range->end;
+    // Another map may take the range meanwhile.
+    if (address < begin || address >= end || range->begin != begin) continue;
+    // Another thread must not end the process before the message is complete.
+    while (is_ending.test_and_set()) ::pause();
+    [[maybe_unused]] const auto count = ::write(STDERR_FILENO, range->message.data(), range->message.size());
+    ::_exit(k_failed);
   }
-  ~WatchedMap() override {
-    if (bytes_.empty()) return;
-    {
-      const std::scoped_lock lock(registry().mutex);
-      registry().maps.erase(this);
-      // Before munmap(): a handler in another thread would take later maps in this range for this one.
-      range_->end = 0;
-      if (range_->has_failed.exchange(false)) --failures_;
-    }
-    ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+  const struct sigaction& before = handler_before;
+  if ((before.sa_flags & SA_SIGINFO) != 0) {
+    before.sa_sigaction(number, info, context);
+  } else if (before.sa_handler != SIG_DFL && before.sa_handler != SIG_IGN) {
+    before.sa_handler(number);
+  } else {
+    ::signal(number, SIG_DFL);
+    ::raise(number);
   }
-  WatchedMap(const WatchedMap&) = delete;
-  WatchedMap& operator=(const WatchedMap&) = delete;
+}
 
-  std::span<const std::byte> bytes() const override { return bytes_; }
-  bool holds(const void* address) const {
-    const auto* const byte = static_cast<const std::byte*>(address);
-    return byte >= bytes_.data() && byte < bytes_.data() + bytes_.size();
-  }
-  bool has_failed() const { return range_->has_failed; }
+/// Requires the mutex.
+void install_handler() {
+  static bool is_installed = false;
+  if (is_installed) return;
+  struct sigaction action {};
+  action.sa_sigaction = &on_bus_error;
+  action.sa_flags = static_cast<int>(SA_SIGINFO | SA_ONSTACK);
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGBUS, nullptr, &handler_before);
+  is_installed = ::sigaction(SIGBUS, &action, nullptr) == 0;
+}
 
-  /// Whether the file exists but has changed. One that replaced it is another file.
-  bool is_changed() const {
-    struct stat now {};
-    if (::stat(path_.c_str(), &now) != 0 || now.st_dev != status_.st_dev || now.st_ino != status_.st_ino)
-      return false;
-    return now.st_size != status_.st_size || now.st_mtim.tv_sec != status_.st_mtim.tv_sec ||
-           now.st_mtim.tv_nsec != status_.st_mtim.tv_nsec;
-  }
-
-  [[noreturn]] void fail() const {
-    struct stat now {};
-    const bool has_size = ::stat(path_.c_str(), &now) == 0 && now.st_size != status_.st_size;
-    throw file_error(name_, "the file changed or its disk failed while it was read; read it again",
-                     has_size ? fmt::format("{} bytes", status_.st_size) : "",
-                     has_size ? fmt::format("{} bytes", now.st_size) : "");
-  }
-
- private:
-  /// Puts zeros where the file has no bytes any more. Only calls what signal handlers may.
-  static void on_bus_error(int number, siginfo_t* info, void* context) {
-    const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
-    for (MapRange* range = first_range; range != nullptr; range = range->next) {
-      const std::uintptr_t begin = range->begin, end = range->end;
-      // Another map may take the range meanwhile.
-      if (address < begin || address >= end || range->begin != begin) continue;
-      const int error = errno;
-      // In this order: a thread that reads zeros must find the failure.
-      if (!range->has_failed.exchange(true)) ++failures_;
-      const std::uintptr_t page = address / k_page * k_page;
-      const void* const map = ::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ,
-                                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
-      errno = error;
-      if (map != MAP_FAILED) return;
-    }
-    const struct sigaction& before = handler_before;
-    if ((before.sa_flags & SA_SIGINFO) != 0) {
-      before.sa_sigaction(number, info, context);
-    } else if (before.sa_handler != SIG_DFL && before.sa_handler != SIG_IGN) {
-      before.sa_handler(number);
-    } else {
-      ::signal(number, SIG_DFL);
-      ::raise(number);
-    }
-  }
-
-  static void install_handler() {
-    if (registry().has_handler) return;
-    struct sigaction action {};
-    action.sa_sigaction = &on_bus_error;
-    action.sa_flags = static_cast<int>(SA_SIGINFO | SA_ONSTACK);
-    sigemptyset(&action.sa_mask);
-    ::sigaction(SIGBUS, nullptr, &handler_before);
-    registry().has_handler = ::sigaction(SIGBUS, &action, nullptr) == 0;
-  }
-
-  const std::string path_, name_;
-  struct stat status_ {};
-  std::span<const std::byte> bytes_;
-  MapRange* range_ = nullptr;
-};
+std::string message_of(const std::string& name) {
+  // Behind a line of progress that is being rewritten.
+  const char* const begin = ::isatty(STDERR_FILENO) == 1 ? "\n" : "";
+  return begin + ("alidade: error: " + line_text(public_name(name))) +
+         ": the file became shorter, or its disk failed, while it was in use; expected a file that stays as "
+         "it is: replace it by renaming another one, and run this again\n";
+}
 
 }  // namespace
 
-std::shared_ptr<const LocalMap> LocalMap::open(const std::string& path, const std::string& name) {
-  return std::make_shared<const WatchedMap>(path, name);
+MappedBytes map_file(const FileDescriptor& file, std::uint64_t size, const std::string& name) {
+  if (size == 0) return {};
+  const auto count = static_cast<std::size_t>(size);
+  void* const map = ::mmap(nullptr, count, PROT_READ, MAP_SHARED, file.number(), 0);
+  if (map == MAP_FAILED) throw system_error(name, "cannot map the file into memory");
+  if (size > available_memory().value_or(size)) ::madvise(map, count, MADV_RANDOM);
+  MapRange* range = nullptr;
+  {
+    const std::scoped_lock lock(ranges_mutex);
+    install_handler();
+    range = free_range();
+    range->message = message_of(name);
+    range->begin = reinterpret_cast<std::uintptr_t>(map);
+    range->end = range->begin + count;
+  }
+  return {{static_cast<const std::byte*>(map), count},
+          std::shared_ptr<const void>(map, [range, count](const void* mapped) {
+            // First: the handler would take later maps in this range for this one.
+            range->end = 0;
+            ::munmap(const_cast<void*>(mapped), count);
+          })};
 }
 
-void LocalMap::check_map(const void* address) {
-  const std::scoped_lock lock(registry().mutex);
-  for (const WatchedMap* const map : registry().maps)
-    if (map->holds(address) && map->has_failed()) map->fail();
-}
-
-void LocalMap::check_all() {
-  const std::scoped_lock lock(registry().mutex);
-  for (const WatchedMap* const map : registry().maps)
-    if (map->has_failed() || map->is_changed()) map->fail();
+void expect_reads(std::span<const std::byte> bytes) noexcept {
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()) / page * page;
+  const auto end = reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size();
+  ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_WILLNEED);
 }
 
 }  // namespace alidade

@@ -1,49 +1,34 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <atomic>
 #include <cstddef>
-#include <memory>
+#include <cstdint>
 #include <span>
 #include <string>
 
+#include "base/input_file.h"
+
 namespace alidade {
 
-/// The bytes of a file on this machine in memory, read only. The system fetches pages on first access; maps
-/// of one file share them. Safe to use from many threads.
+/// Maps the first `size` bytes of an open file on this machine into memory, read only; `name` is the file's
+/// in messages. The system reads pages on first access; maps of one file share them. Of a file larger than
+/// available_memory() it reads single pages: jumps through it would else push out needed pages by their
+/// neighbours. Cost: constant. Errors: the file cannot be mapped.
 ///
-/// If another program truncates the file, or its disk fails, the missing pages become zeros and the map has
-/// failed permanently, like one of a remote file (base/remote_map.h): RemoteMap::check() throws the map's
-/// Error until the map is destroyed. Replacing the file by renaming, as OutputFile does, does not affect its
-/// map.
+/// If another program makes the file shorter, or its disk fails, there is nothing to be read any more. The
+/// first access to a missing page then says so on stderr and ends the process with exit code 2, so that
+/// nobody has to ask whether bytes are right. Outputs are not written; their temporary files stay, as those
+/// of a killed process, until the next run removes them (base/output_file.h). Replacing the file by renaming,
+/// as OutputFile does, leaves its maps as they were.
 ///
-/// The first map of a process installs a handler for SIGBUS, also in programs that load the library. Signals
-/// for other memory go to the handler that was installed before. Limits: if a handler that is installed later
-/// does not call this one, or a thread blocks SIGBUS, a missing page ends the program. Only check_all() finds
-/// what another program writes into the file while it is mapped, or cuts off within the last page.
-class LocalMap {
- public:
-  /// Maps the file at `path`; `name` is its name in messages. Errors: it is missing, not a regular file, or
-  /// cannot be mapped.
-  static std::shared_ptr<const LocalMap> open(const std::string& path, const std::string& name);
+/// The first map of a process installs a handler for SIGBUS, also in programs that load the library, such as
+/// Python. Signals for other memory go to the handler that was installed before. Limits: if a handler that is
+/// installed later does not call this one, or a thread blocks SIGBUS, the signal ends the process without the
+/// message. What another program writes into the file itself, or cuts off within its last page, is read as
+/// it is: whoever replaces a file that may be in use writes another one and renames it.
+MappedBytes map_file(const FileDescriptor& file, std::uint64_t size, const std::string& name);
 
-  virtual ~LocalMap() = default;
-  virtual std::span<const std::byte> bytes() const = 0;
-
-  /// Errors: that of the map that contains the address, if it has failed. Cost: nothing while no map has
-  /// failed.
-  static void check(const void* address) {
-    if (failures_ > 0) check_map(address);
-  }
-  /// Errors: that of any failed map; the size of a mapped file, or the time of its last change, is not the
-  /// one it had when it was mapped. Cost: a microsecond per map.
-  static void check_all();
-
- protected:
-  static inline std::atomic<int> failures_ = 0;  ///< failed maps that are not destroyed yet
-
- private:
-  static void check_map(const void* address);
-};
+/// Asks the system to begin reading some bytes of a map at once: for passes from front to back.
+void expect_reads(std::span<const std::byte> bytes) noexcept;
 
 }  // namespace alidade

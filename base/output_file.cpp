@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/remote_map.h"
 
 namespace alidade {
 namespace {
@@ -129,10 +128,10 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
     const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && errno == EFAULT) {
-      // System calls do not wait for pages of a remote map. Not all bytes at once: the first might be swapped
-      // out.
-      RemoteMap::touch(bytes.first(std::min(bytes.size(), std::size_t{1} << 20)));
-      continue;
+      // Of a mapped file that became shorter. Reading them ends the process with a message that names it.
+      for (std::size_t i = 0; i < bytes.size(); i += 4096)
+        static_cast<void>(*static_cast<const volatile std::byte*>(&bytes[i]));
+      errno = EFAULT;
     }
     if (count < 0) fail(name);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
@@ -225,7 +224,6 @@ void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 void OutputFile::commit() {
   assert(!committed_);
   flush();
-  RemoteMap::check_all();
   if (!sync_temporary(descriptor_)) fail(name_);
   if (overwrite_) {
     if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_);

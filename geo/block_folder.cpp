@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
@@ -41,7 +42,13 @@ BlockHeader header_of(const std::string& key, std::span<const std::byte> block) 
   return header;
 }
 
-constexpr std::string_view k_extension = ".block";
+/// What stands behind the bytes of a whole file, from the beginning.
+struct CopyState {
+  std::array<char, 8> magic = {'A', 'L', 'W', 'H', 'O', 'L', 'E', '1'};
+  std::uint64_t sum_of_key = 0, fetched = 0;
+};
+
+constexpr std::string_view k_extension = ".block", k_copy_extension = ".whole";
 constexpr const char* k_mark = "alidade-cache";  // an empty file: the folder is ours
 constexpr std::size_t k_folder_digits = 2, k_file_digits = 14;
 
@@ -53,31 +60,53 @@ bool are_hex_digits(std::string_view text, std::size_t count) {
   return text.size() == count && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
-bool is_block_name(std::string_view name) {
-  return name.ends_with(k_extension) &&
-         are_hex_digits(name.substr(0, name.size() - k_extension.size()), k_file_digits);
+bool is_name(std::string_view name, std::string_view extension) {
+  return name.ends_with(extension) &&
+         are_hex_digits(name.substr(0, name.size() - extension.size()), k_file_digits);
 }
 
 /// Whether a name is that of a file that is being written.
 bool is_temporary_name(std::string_view name) {
   const std::size_t end = 1 + k_file_digits + k_extension.size();
-  return name.starts_with('.') && name.size() > end && is_block_name(name.substr(1, end - 1)) &&
+  return name.starts_with('.') && name.size() > end && is_name(name.substr(1, end - 1), k_extension) &&
          name.substr(end).starts_with(".part-");
 }
 
 /// Never waits, as opening a named pipe would, and follows no links.
-FileDescriptor open_block(const fs::path& path) {
-  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
+FileDescriptor open_block(const fs::path& path, int flags = O_RDONLY) {
+  FileDescriptor file(::open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0600));
   struct stat status {};
   if (!file.is_open() || ::fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
   return file;
 }
 
-bool is_block(const fs::path& path) {
+/// The state of a file with so many bytes of a copy; empty if it is none.
+std::optional<CopyState> state_of(const FileDescriptor& file, std::uint64_t bytes) {
+  CopyState state;
+  if (file.read_at(bytes, std::as_writable_bytes(std::span(&state, 1))) != sizeof(state) ||
+      state.magic != CopyState().magic)
+    return std::nullopt;
+  return state;
+}
+
+/// How many of the bytes of a copy are there; empty if the file is not the copy of this key.
+std::optional<std::uint64_t> fetched(const FileDescriptor& file, const std::string& key,
+                                     std::uint64_t bytes) {
+  const std::optional<CopyState> state = state_of(file, bytes);
+  if (!state || state->sum_of_key != sum_of("copy of " + key) || state->fetched > bytes) return std::nullopt;
+  return state->fetched;
+}
+
+/// Whether a file is a block or a copy.
+bool is_ours(const fs::path& path) {
   const FileDescriptor file = open_block(path);
+  if (!file.is_open()) return false;
+  if (path.extension() == k_copy_extension) {
+    const std::uint64_t size = file.size_of_regular(path.string());
+    return size >= sizeof(CopyState) && state_of(file, size - sizeof(CopyState));
+  }
   BlockHeader header;
-  return file.is_open() && read_fully(file.number(), &header, sizeof(header)) &&
-         header.magic == BlockHeader().magic;
+  return read_fully(file.number(), &header, sizeof(header)) && header.magic == BlockHeader().magic;
 }
 
 /// Errors: the folder holds something else, or others may write to it: what they put there would be read as
@@ -115,9 +144,9 @@ BlockFolder::BlockFolder(fs::path folder, std::uint64_t most_bytes)
   make_room();
 }
 
-fs::path BlockFolder::path_of(const std::string& key) const {
+fs::path BlockFolder::path_of(const std::string& key, std::string_view extension) const {
   const std::string name = fmt::format("{:016x}", sum_of(key));
-  return folder_ / name.substr(0, k_folder_digits) / name.substr(k_folder_digits).append(k_extension);
+  return folder_ / name.substr(0, k_folder_digits) / name.substr(k_folder_digits).append(extension);
 }
 
 bool BlockFolder::has_room(std::uint64_t bytes, std::uint64_t block) const {
@@ -127,11 +156,11 @@ bool BlockFolder::has_room(std::uint64_t bytes, std::uint64_t block) const {
 }
 
 bool BlockFolder::contains(const std::string& key) const {
-  return ::access(path_of(key).c_str(), R_OK) == 0;
+  return ::access(path_of(key, k_extension).c_str(), R_OK) == 0;
 }
 
 std::optional<std::vector<std::byte>> BlockFolder::find(const std::string& key, std::size_t count) {
-  const fs::path path = path_of(key);
+  const fs::path path = path_of(key, k_extension);
   const FileDescriptor file = open_block(path);
   if (!file.is_open()) return std::nullopt;
   BlockHeader header;
@@ -145,7 +174,7 @@ std::optional<std::vector<std::byte>> BlockFolder::find(const std::string& key, 
 }
 
 void BlockFolder::keep(const std::string& key, std::span<const std::byte> block) {
-  const fs::path path = path_of(key);
+  const fs::path path = path_of(key, k_extension);
   const std::uint64_t size = sizeof(BlockHeader) + block.size();
   if (size > most_bytes_) return;
   std::error_code error;
@@ -171,6 +200,54 @@ void BlockFolder::keep(const std::string& key, std::span<const std::byte> block)
   if ((bytes_ += size) > most_bytes_) make_room();
 }
 
+std::uint64_t BlockFolder::fetched_of(const std::string& key, std::uint64_t bytes) const {
+  const FileDescriptor file = open_block(path_of(key, k_copy_extension));
+  return file.is_open() ? fetched(file, key, bytes).value_or(0) : 0;
+}
+
+std::optional<KeptCopy> BlockFolder::copy_of(const std::string& key, std::uint64_t bytes) {
+  if (bytes == 0 || !has_room(bytes, bytes)) return std::nullopt;
+  const fs::path path = path_of(key, k_copy_extension);
+  std::error_code error;
+  fs::create_directory(path.parent_path(), error);
+  KeptCopy copy{open_block(path, O_RDWR | O_CREAT)};
+  if (!copy.file.is_open()) return std::nullopt;
+  ::futimens(copy.file.number(), nullptr);  // the time of its last use
+  copy.fetched = fetched(copy.file, key, bytes).value_or(0);
+  if (copy.fetched == bytes) return copy;
+  struct stat status {};
+  if (::flock(copy.file.number(), LOCK_EX | LOCK_NB) != 0 || ::fstat(copy.file.number(), &status) != 0 ||
+      status.st_nlink == 0)
+    return std::nullopt;
+  // Another process may have gone on with it meanwhile.
+  const std::optional<std::uint64_t> known = fetched(copy.file, key, bytes);
+  copy.fetched = known.value_or(0);
+  if (known) return copy;
+  try {
+    if (::ftruncate(copy.file.number(), 0) != 0) return std::nullopt;
+    extend(copy, key, bytes, {});
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  if ((bytes_ += bytes) > most_bytes_) make_room();
+  return copy;
+}
+
+void BlockFolder::extend(KeptCopy& copy, const std::string& key, std::uint64_t bytes,
+                         std::span<const std::byte> next) {
+  CopyState state;
+  state.sum_of_key = sum_of("copy of " + key);
+  state.fetched = copy.fetched + next.size();
+  const std::string name = folder_.string();
+  write_fully(name, copy.file.number(), copy.fetched, next);
+  // What is noted as there is on the disk.
+  if (::fdatasync(copy.file.number()) != 0)
+    throw system_error(name, "cannot write to the folder of the cache");
+  write_fully(name, copy.file.number(), bytes, std::as_bytes(std::span(&state, 1)));
+  copy.fetched = state.fetched;
+  if (copy.fetched == bytes) ::flock(copy.file.number(), LOCK_UN);
+}
+
 void BlockFolder::make_room() {
   struct Entry {
     fs::file_time_type used;
@@ -186,7 +263,7 @@ void BlockFolder::make_room() {
     std::error_code error;  // another program may remove it
     const std::string name = file.path().filename().string();
     const bool is_temporary = is_temporary_name(name);
-    if (!is_temporary && !is_block_name(name)) return;
+    if (!is_temporary && !is_name(name, k_extension) && !is_name(name, k_copy_extension)) return;
     if (!fs::is_regular_file(file.symlink_status(error)) || error) return;
     Entry entry{file.last_write_time(error), 0, file.path()};
     if (error) return;
@@ -213,7 +290,7 @@ void BlockFolder::make_room() {
   for (const Entry& entry : entries) {
     if (bytes <= goal) break;
     std::error_code error;
-    if (is_block(entry.path) && fs::remove(entry.path, error)) bytes -= entry.bytes;
+    if (is_ours(entry.path) && fs::remove(entry.path, error)) bytes -= entry.bytes;
   }
   bytes_ = bytes;
 }

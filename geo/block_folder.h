@@ -8,11 +8,20 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "base/input_file.h"
 
 namespace alidade::geo {
 
-/// Blocks of remote files in a folder, which several programs may use at once. Thread safe.
+/// A remote file in the folder, complete or begun.
+struct KeptCopy {
+  FileDescriptor file;        ///< begins with the bytes of the remote file; locked while any are missing
+  std::uint64_t fetched = 0;  ///< bytes that are there
+};
+
+/// Blocks of remote files, and whole ones, in a folder, which several programs may use at once. Thread safe.
 ///
 /// A key names a block of one version of a file. Each block is a file of its own with a checksum, written
 /// under another name and renamed: one that is damaged counts as missing. The names of remote files, which
@@ -34,8 +43,16 @@ class BlockFolder {
   std::optional<std::vector<std::byte>> find(const std::string& key, std::size_t count);
   void keep(const std::string& key, std::span<const std::byte> block);
 
+  /// How many of the bytes of a whole file are there. `key` names the file and its version.
+  std::uint64_t fetched_of(const std::string& key, std::uint64_t bytes) const;
+  /// The copy of that file, begun if there is none. Empty if it would not stay, cannot be made, or another
+  /// process is fetching it.
+  std::optional<KeptCopy> copy_of(const std::string& key, std::uint64_t bytes);
+  /// Adds the next bytes to a copy, on the disk. Errors: they cannot be written.
+  void extend(KeptCopy& copy, const std::string& key, std::uint64_t bytes, std::span<const std::byte> next);
+
  private:
-  std::filesystem::path path_of(const std::string& key) const;
+  std::filesystem::path path_of(const std::string& key, std::string_view extension) const;
   /// Sums up the folder, and removes what has not been used for longest if it is too much.
   void make_room();
   /// The size to which make_room() cuts: less than allowed, so that this is rare.

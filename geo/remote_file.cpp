@@ -18,7 +18,10 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
+#include "base/local_map.h"
 #include "base/recently_used.h"
+#include "base/scratch_file.h"
+#include "base/shown_text.h"
 #include "geo/block_folder.h"
 #include "geo/gdal_reference.h"
 #include "geo/http_source.h"
@@ -98,78 +101,6 @@ void set_defaults() {
     if (CPLGetConfigOption(option, nullptr) == nullptr) CPLSetConfigOption(option, value);
 }
 
-class VirtualFile final : public RemoteFile {
- public:
-  /// `name` is the file's in messages.
-  VirtualFile(const std::string& name, const std::string& path) : name_(name) {
-    const QuietGdal quiet;
-    VSIErrorReset();
-    std::string time;
-    {
-      // Does not list the other files of its folder.
-      const GdalOption list("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
-      handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
-      if (handle_) time = time_of(path);
-    }
-    if (!handle_) {
-      VSICurlPartialClearCache(path.c_str());  // where GDAL remembers failures, it does so without the reason
-      fail_to_open(name);
-    }
-    if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
-    size_ = VSIFTellL(handle_.get());
-    version_ = std::to_string(size_) + time;
-  }
-
-  std::uint64_t size() const override { return size_; }
-  std::string version() const override { return version_; }
-
-  void read(std::uint64_t offset, std::span<std::byte> into) override {
-    const QuietGdal quiet;
-    VSIErrorReset();
-    if (VSIFSeekL(handle_.get(), offset, SEEK_SET) != 0 ||
-        VSIFReadL(into.data(), 1, into.size(), handle_.get()) != into.size())
-      fail(name_, "cannot read the file");
-  }
-
- private:
-  std::string name_, version_;
-  GdalHandle<VSIFCloseL, VSILFILE> handle_;
-  std::uint64_t size_ = 0;
-};
-
-/// A compressed file, fetched at once: unpacking as it comes would take more requests.
-class UnpackedFile final : public RemoteFile {
- public:
-  UnpackedFile(const std::string& name, RemoteFile& packed)
-      // Numbered, since GDAL caches the contents of files by name.
-      : packed_(fmt::format("_{}.gz", count_++).c_str()) {
-    constexpr std::uint64_t k_largest = std::uint64_t{256} << 20;
-    if (packed.size() > k_largest)
-      throw Error({.file = name,
-                   .problem = "the compressed catalog is too large",
-                   .expected = std::to_string(k_largest) + " bytes",
-                   .found = std::to_string(packed.size())});
-    std::vector<std::byte> bytes(static_cast<std::size_t>(packed.size()));
-    if (!bytes.empty()) packed.read(0, bytes);
-    VSILFILE* const file = VSIFOpenL(packed_.name(), "wb");
-    const bool is_kept = file != nullptr && VSIFWriteL(bytes.data(), 1, bytes.size(), file) == bytes.size();
-    if (file != nullptr) VSIFCloseL(file);
-    if (!is_kept) fail(name, "cannot keep the file in memory");
-    version_ = packed.version();
-    content_.emplace(name, std::string("/vsigzip/") + packed_.name());
-  }
-
-  std::uint64_t size() const override { return content_->size(); }
-  std::string version() const override { return version_; }
-  void read(std::uint64_t offset, std::span<std::byte> into) override { content_->read(offset, into); }
-
- private:
-  static inline std::atomic<int> count_ = 0;
-  GdalMemoryFile packed_;
-  std::string version_;
-  std::optional<VirtualFile> content_{};
-};
-
 constexpr std::size_t k_block = 16 << 10;
 
 /// Blocks of files on web servers, the latest 64 MiB of all. Thread safe.
@@ -221,6 +152,136 @@ Web& web(const RemoteOptions& options = {}) {
   return web;
 }
 
+bool is_stopped() {
+  return web().options.is_interrupted != nullptr && web().options.is_interrupted();
+}
+
+/// A file that is to be fetched whole.
+struct WantedFile {
+  std::string name;  ///< in messages
+  std::string key;   ///< of it and its version in the cache; empty: it has no version
+  std::uint64_t size;
+  std::function<void(std::uint64_t offset, std::span<std::byte> into)> read;
+  const std::function<void(const WholeFetch&)>& permit;
+};
+
+void check_room(const WholeFetch& fetch) {
+  std::error_code error;
+  const std::uintmax_t room = std::filesystem::space(fetch.folder, error).available;
+  if (error || room >= fetch.bytes) return;
+  const auto text = [](std::uint64_t bytes) { return quantity(static_cast<double>(bytes), "B"); };
+  throw file_error(fetch.name, "no room for the file in " + fetch.folder.string(),
+                   text(fetch.bytes) + ", or another folder: " + (fetch.is_kept ? "--cache" : "TMPDIR"),
+                   text(room) + " free");
+}
+
+MappedBytes fetch_whole(const WantedFile& file, const Progress& progress) {
+  constexpr std::uint64_t k_piece = std::uint64_t{8} << 20;
+  BlockFolder* const folder = web().folder && !file.key.empty() ? &*web().folder : nullptr;
+  WholeFetch fetch{.name = file.name, .bytes = file.size, .folder = {}};
+  fetch.is_kept = folder != nullptr && folder->has_room(file.size, k_block);
+  if (fetch.is_kept) fetch.bytes -= folder->fetched_of(file.key, file.size);
+  fetch.folder = fetch.is_kept ? web().options.cache : temporary_folder();
+  if (fetch.bytes > 0 && file.permit) file.permit(fetch);
+  if (fetch.bytes > 0) check_room(fetch);
+  std::optional<KeptCopy> kept;
+  if (fetch.is_kept) kept = folder->copy_of(file.key, file.size);
+  const auto scratch = kept ? nullptr : std::make_shared<ScratchFile>(temporary_folder());
+  std::vector<std::byte> bytes;
+  for (std::uint64_t done = kept ? kept->fetched : 0; done < file.size; done += bytes.size()) {
+    if (is_stopped()) throw Cancelled();
+    report(progress, done, file.size);
+    bytes.resize(static_cast<std::size_t>(std::min(k_piece, file.size - done)));
+    file.read(done, bytes);
+    kept ? folder->extend(*kept, file.key, file.size, bytes) : scratch->append(bytes);
+  }
+  report(progress, file.size, file.size);
+  if (kept) return map_file(kept->file, file.size, file.name);
+  const std::span<const std::byte> mapped = scratch->map();
+  return {mapped, scratch};
+}
+
+class VirtualFile final : public RemoteFile {
+ public:
+  /// `name` is the file's in messages.
+  VirtualFile(const std::string& name, const std::string& path,
+              std::function<void(const WholeFetch&)> permit = {})
+      : name_(name), permit_(std::move(permit)) {
+    const QuietGdal quiet;
+    VSIErrorReset();
+    std::string time;
+    {
+      // Does not list the other files of its folder.
+      const GdalOption list("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");
+      handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
+      if (handle_) time = time_of(path);
+    }
+    if (!handle_) {
+      VSICurlPartialClearCache(path.c_str());  // where GDAL remembers failures, it does so without the reason
+      fail_to_open(name);
+    }
+    if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
+    size_ = VSIFTellL(handle_.get());
+    version_ = std::to_string(size_) + time;
+  }
+
+  std::uint64_t size() const override { return size_; }
+  std::string version() const override { return version_; }
+
+  void read(std::uint64_t offset, std::span<std::byte> into) override {
+    const QuietGdal quiet;
+    VSIErrorReset();
+    if (VSIFSeekL(handle_.get(), offset, SEEK_SET) != 0 ||
+        VSIFReadL(into.data(), 1, into.size(), handle_.get()) != into.size())
+      fail(name_, "cannot read the file");
+  }
+
+  MappedBytes map(const Progress& progress) override {
+    const auto read_range = [&](std::uint64_t offset, std::span<std::byte> into) { read(offset, into); };
+    return fetch_whole({name_, "", size_, read_range, permit_}, progress);
+  }
+
+ private:
+  std::string name_, version_;
+  std::function<void(const WholeFetch&)> permit_;
+  GdalHandle<VSIFCloseL, VSILFILE> handle_;
+  std::uint64_t size_ = 0;
+};
+
+/// A compressed file, fetched at once: unpacking as it comes would take more requests.
+class UnpackedFile final : public RemoteFile {
+ public:
+  UnpackedFile(const std::string& name, RemoteFile& packed)
+      // Numbered, since GDAL caches the contents of files by name.
+      : packed_(fmt::format("_{}.gz", count_++).c_str()) {
+    constexpr std::uint64_t k_largest = std::uint64_t{256} << 20;
+    if (packed.size() > k_largest)
+      throw Error({.file = name,
+                   .problem = "the compressed catalog is too large",
+                   .expected = std::to_string(k_largest) + " bytes",
+                   .found = std::to_string(packed.size())});
+    std::vector<std::byte> bytes(static_cast<std::size_t>(packed.size()));
+    if (!bytes.empty()) packed.read(0, bytes);
+    VSILFILE* const file = VSIFOpenL(packed_.name(), "wb");
+    const bool is_kept = file != nullptr && VSIFWriteL(bytes.data(), 1, bytes.size(), file) == bytes.size();
+    if (file != nullptr) VSIFCloseL(file);
+    if (!is_kept) fail(name, "cannot keep the file in memory");
+    version_ = packed.version();
+    content_.emplace(name, std::string("/vsigzip/") + packed_.name());
+  }
+
+  std::uint64_t size() const override { return content_->size(); }
+  std::string version() const override { return version_; }
+  void read(std::uint64_t offset, std::span<std::byte> into) override { content_->read(offset, into); }
+  MappedBytes map(const Progress& progress) override { return content_->map(progress); }
+
+ private:
+  static inline std::atomic<int> count_ = 0;
+  GdalMemoryFile packed_;
+  std::string version_;
+  std::optional<VirtualFile> content_{};
+};
+
 std::string block_key(const HttpSource& source, const std::string& url, std::uint64_t block) {
   return url + "\n" + source.version() + "\n" + std::to_string(block);
 }
@@ -230,7 +291,7 @@ bool keep_whole(HttpSource& source, const std::string& url) {
   if (source.version().empty() || !web().folder->has_room(source.size(), k_block)) return false;
   std::vector<std::byte> bytes;
   for (std::uint64_t begin = 0; begin < source.size(); begin += bytes.size()) {
-    if (web().options.is_interrupted != nullptr && web().options.is_interrupted()) throw Cancelled();
+    if (is_stopped()) throw Cancelled();
     bytes.resize(static_cast<std::size_t>(std::min<std::uint64_t>(k_block, source.size() - begin)));
     source.read(begin, bytes);
     web().folder->keep(block_key(source, url, begin / k_block), bytes);
@@ -271,8 +332,9 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
 /// A file on a web server, read in whole blocks, which are kept.
 class HttpFile final : public RemoteFile {
  public:
-  HttpFile(std::shared_ptr<HttpSource> source, const std::string& url)
-      : source_(std::move(source)), url_(url) {
+  HttpFile(std::shared_ptr<HttpSource> source, const std::string& url, std::string name,
+           std::function<void(const WholeFetch&)> permit)
+      : source_(std::move(source)), url_(url), name_(std::move(name)), permit_(std::move(permit)) {
     if (!source_->version().empty() && web().folder) folder_ = &*web().folder;
   }
 
@@ -295,6 +357,14 @@ class HttpFile final : public RemoteFile {
       std::memcpy(into.data() + (at - offset), bytes.data() + (at - from), count);
       at += count;
     }
+  }
+
+  MappedBytes map(const Progress& progress) override {
+    const auto read_range = [&](std::uint64_t offset, std::span<std::byte> into) {
+      source_->read(offset, into);
+    };
+    const std::string key = version().empty() ? "" : url_ + "\n" + version();
+    return fetch_whole({name_, key, size(), read_range, permit_}, progress);
   }
 
  private:
@@ -345,7 +415,8 @@ class HttpFile final : public RemoteFile {
   }
 
   std::shared_ptr<HttpSource> source_;
-  std::string url_;
+  std::string url_, name_;
+  std::function<void(const WholeFetch&)> permit_;
   BlockFolder* folder_ = nullptr;
   std::uint64_t next_ = 0;   ///< where the last read ended
   std::uint64_t ahead_ = 0;  ///< bytes to fetch more than requested
@@ -354,8 +425,9 @@ class HttpFile final : public RemoteFile {
 std::unique_ptr<RemoteFile> open_file(const std::string& name, const RemoteOptions& options) {
   const std::string url = web_url(name);
   web(options);
-  if (!url.empty()) return std::make_unique<HttpFile>(http_source(name, url, options.hosts), url);
-  return std::make_unique<VirtualFile>(name, virtual_name(name));
+  if (!url.empty())
+    return std::make_unique<HttpFile>(http_source(name, url, options.hosts), url, name, options.permit);
+  return std::make_unique<VirtualFile>(name, virtual_name(name), options.permit);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/output_file.h"
-#include "base/remote_map.h"
 #include "jobs/outputs.h"
 
 namespace alidade::jobs {
@@ -111,7 +110,6 @@ Progress LongRun::progress(Listener::Stage& stage) {
 }
 
 void LongRun::finish() {
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   if (parts_) parts_->remove();
 }
 

@@ -57,8 +57,8 @@ void say_how_to_resume(Listener& listener, const std::string& checkpoint);
 // Fields, common to several requests, that cannot change answers: how a job runs, what it says, and where it
 // writes.
 
-inline constexpr std::array<std::string_view, 7> k_silent_flags = {
-    "help", "overwrite", "skip-existing", "quiet", "verbose", "resume", "dry-run"};
+inline constexpr std::array<std::string_view, 8> k_silent_flags = {
+    "help", "overwrite", "skip-existing", "quiet", "verbose", "resume", "dry-run", "yes"};
 
 /// Fields with a value.
 inline constexpr std::array<std::string_view, 8> k_silent_options = {
@@ -111,7 +111,7 @@ class LongRun {
     });
   }
 
-  /// Removes the checkpoint: everything is written, or returned. Errors: those of RemoteMap::check_all().
+  /// Removes the checkpoint: everything is written, or returned.
   void finish();
 
  private:

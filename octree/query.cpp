@@ -21,7 +21,6 @@
 #include "base/huge_memory.h"
 #include "base/morton.h"
 #include "base/parallel.h"
-#include "base/remote_map.h"
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
 #include "octree/octree.h"
@@ -36,17 +35,6 @@ namespace {
 
 // Enough work per task to hide the scheduler, few enough that the last tasks do not leave threads idle.
 constexpr std::size_t k_grain = 256;
-
-/// Errors: the index file lies on a server and could not be read: what was answered may be wrong.
-void check_arrival(const Octree& octree) {
-  RemoteMap::check(octree.view().coordinates);
-}
-
-template <class Answer>
-Answer arrived(const Octree& octree, Answer&& answer) {
-  check_arrival(octree);
-  return std::forward<Answer>(answer);
-}
 
 template <class Target, class Query>
 void check_batch(const Octree& octree, std::span<const Target>, const Query& query) {
@@ -400,14 +388,12 @@ template <class Batch>
 void closest_batch(const Octree& octree, const Batch& batch, const RayQuery& query) {
   trace_batch(octree, batch, query, simd::traversal(octree.instruction_set()).closest_stream,
               first_hit<Ray, RayQuery>);
-  check_arrival(octree);
 }
 
 template <class Batch>
 void occluded_batch(const Octree& octree, const Batch& batch, const RayQuery& query) {
   trace_batch(octree, batch, query, simd::traversal(octree.instruction_set()).occluded_stream,
               any_hit<Ray, RayQuery>);
-  check_arrival(octree);
 }
 
 /// The first hit of each ray as the answers of `find`.
@@ -428,13 +414,13 @@ Answers<Hit> closest_answers(const Octree& octree, std::span<const Ray> rays, co
 template <LineGeometry T>
 std::optional<Hit> closest(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
-  return arrived(octree, first_hit(octree, target, query, 0));
+  return first_hit(octree, target, query, 0);
 }
 
 template <LineGeometry T>
 bool occluded(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
-  return arrived(octree, any_hit(octree, target, query, 0));
+  return any_hit(octree, target, query, 0);
 }
 
 template <TargetGeometry T>
@@ -443,7 +429,6 @@ std::vector<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, const T& t
   check_target(octree, target, query);
   std::vector<AnswerOf<T>> answers;
   find_into(octree, target, query, query.k, 0, answers);
-  check_arrival(octree);
   return answers;
 }
 
@@ -456,18 +441,18 @@ Answers<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, std::span<cons
   }
   if constexpr (std::same_as<T, glm::dvec3>) {
     if (suits_turns(octree, query) && targets.size() <= std::numeric_limits<std::uint32_t>::max())
-      return arrived(octree, CurveBatch(octree, targets, query).find());
+      return CurveBatch(octree, targets, query).find();
   }
   const auto find_one = [&](std::size_t i, std::vector<AnswerOf<T>>& answers) {
     find_into(octree, targets[i], query, query.k, i, answers);
   };
-  return arrived(octree, answer_all<AnswerOf<T>>(targets, k_grain, find_one));
+  return answer_all<AnswerOf<T>>(targets, k_grain, find_one);
 }
 
 template <TargetGeometry T>
 std::size_t FamilyAnswers<T>::count(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
-  return arrived(octree, count_to(octree, target, query, query.k, 0));
+  return count_to(octree, target, query, query.k, 0);
 }
 
 template <TargetGeometry T>
@@ -485,7 +470,6 @@ void FamilyAnswers<T>::count(const Octree& octree, std::span<const T> targets, c
   }
   for_each_target(targets, k_grain,
                   [&](std::size_t i) { counts[i] = count_to(octree, targets[i], query, query.k, i); });
-  check_arrival(octree);
 }
 
 Ray RayColumns::ray(std::size_t row) const {

@@ -101,7 +101,7 @@ Write points, attributes and octree as an index file, .alidade, which alidade.op
 inline constexpr const char* k_open_doc =
     R"(open(files, *, partial=False, classes=None, ignore_classes=None, where=None, crop=None, )"
     R"(crop_crs=None, columns=None, crs=None, reproject=None, vertical_unit=None, cache=None, )"
-    R"(allow_host=None, cache_size=None, workers=-1, progress=None)
+    R"(allow_host=None, cache_size=None, yes=False, workers=-1, progress=None)
 --
 
 Open LAS, LAZ, COPC, PLY, PCD, E57, PTX, PTS, CSV, XYZ, .alidade, SQLite and PostgreSQL clouds.
@@ -119,8 +119,8 @@ classes, ignore_classes, where, crop, crop_crs : optional
 crs, reproject, vertical_unit, columns : optional
     Reference system of clouds that state none, another one to bring the points to, the unit of
     heights, and the columns of text without titles.
-cache, cache_size, allow_host : optional
-    Of files on the web.
+cache, cache_size, allow_host, yes : optional
+    Of files on the web. Index files there are fetched whole, more than 1 GB only with yes=True.
 
 Returns
 -------

@@ -57,7 +57,7 @@ PYBIND11_MODULE(_alidade, module) {
   module.attr("__version__") = ALIDADE_VERSION;
   add_errors(module);
   alidade::set_remote_files([](const std::string& name) {
-    return alidade::jobs::open_remote(name, &alidade::python::is_interrupted);
+    return alidade::jobs::open_remote(name, {.is_interrupted = &alidade::python::is_interrupted});
   });
   alidade::use_crs_library(
       {.compare =

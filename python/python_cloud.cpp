@@ -12,7 +12,6 @@
 #include <variant>
 
 #include "base/input_file.h"
-#include "base/remote_map.h"
 #include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/axis_units.h"
@@ -51,20 +50,9 @@ py::array every(std::span<const ReturnNumbers> returns, std::uint8_t ReturnNumbe
                  {sizeof(ReturnNumbers)}, owner);
 }
 
-/// Fetches the bytes of a column. Errors: they are on a server and cannot be read.
-void fetch(std::span<const std::byte> bytes) {
-  if (bytes.empty() || !RemoteMap::find(bytes.data())) return;
-  run_free(0, [&] {
-    MappedFile::fetch(bytes);
-    RemoteMap::touch(bytes);
-    RemoteMap::check(bytes.data());
-  });
-}
-
 /// Colours as an array; those of 8 bits are copied.
 py::array array_of(const ColorColumn& colors, const py::handle& owner) {
   if (!colors.deep().empty()) return rows_of(colors.deep(), &colors.deep().data()->x, owner);
-  fetch(std::as_bytes(colors.shallow()));
   py::array_t<std::uint16_t> array({static_cast<py::ssize_t>(colors.size()), py::ssize_t{3}});
   std::uint16_t* to = array.mutable_data();
   run_free(0, [&] {
@@ -133,15 +121,10 @@ py::array column_of(const Cloud& cloud, const py::str& wanted) {
   py::object found = py::none();
   for_each_array(columns, owner, [&](const char* name, const auto& make) {
     if (!wanted.equal(py::str(name))) return;
-    const py::array array = make();
-    const auto bytes = array.shape(0) > 0 ? (array.shape(0) - 1) * array.strides(0) + array.itemsize() : 0;
-    fetch({static_cast<const std::byte*>(array.data()), static_cast<std::size_t>(bytes)});
-    found = array;
+    found = make();
   });
   for (const ExtraColumn& column : columns.extra_dimensions) {
-    if (!found.is_none() || !wanted.equal(text_of(column.description.name))) continue;
-    fetch(std::as_bytes(column.values));
-    found = array_of(column, owner);
+    if (found.is_none() && wanted.equal(text_of(column.description.name))) found = array_of(column, owner);
   }
   if (!found.is_none()) return found;
   const py::str text = py::str("the cloud has no attribute {!r}; it has {}")
@@ -204,12 +187,11 @@ Index index_of(const Cloud& cloud, const std::string& organisation, bool surface
   run_watched(workers, progress, [&](const Progress& watch) {
     if (!data->points.index) octree = build(data->points.cloud, {.organisation = wanted, .progress = watch});
     if (surfaces) octree = with_surfaces(with_spacings(octree, k_surface_neighbours, watch), watch);
-    data->check_arrived();
   });
   return {data, std::move(octree)};
 }
 
-/// A copy of a cloud that is mapped, with positions. Errors: those of check_arrived().
+/// A copy of a cloud that is mapped, with positions.
 PointCloud copy_of(const CloudData& data) {
   const IndexedCloud& mapped = data.points;
   PointCloud cloud = mapped.index->description();
@@ -225,7 +207,6 @@ PointCloud copy_of(const CloudData& data) {
     cloud.extra_dimensions.push_back(column.description);
     cloud.extra_dimensions.back().values.assign(column.values.begin(), column.values.end());
   }
-  data.check_arrived();
   return cloud;
 }
 
@@ -428,7 +409,6 @@ py::array Cloud::xyz() {
     const std::vector<LatticePosition>& positions = data_->points.index ? stored : cloud.positions;
     in_parallel(count, k_array_grain,
                 [&](std::size_t i) { rows[i] = to_world(data_->lattice(), positions[i]); });
-    data_->check_arrived();
   });
   array.attr("flags").attr("writeable") = false;
   xyz_ = array;

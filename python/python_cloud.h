@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/remote_map.h"
 #include "cloud/crs.h"
 #include "image/film.h"
 #include "jobs/field_table.h"
@@ -28,10 +27,6 @@ struct CloudData {
   const Lattice& lattice() const { return points.index ? points.octree.lattice() : points.cloud.lattice; }
   /// Coordinate reference system and other metadata of the files.
   const PointCloud& description() const { return points.index ? points.index->description() : points.cloud; }
-  /// Errors: the index file is remote, and a part that was read could not be fetched (base/remote_map.h).
-  void check_arrived() const {
-    if (points.index) RemoteMap::check(points.octree.view().coordinates);
-  }
 };
 
 /// Points and their attributes as arrays.

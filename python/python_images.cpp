@@ -137,7 +137,6 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
           exposure.value_or(is_plain && is_lit ? renderer::automatic_exposure(scene, &cloud, *scene.camera)
                                                : scene.output.exposure);
     film = renderer::render(scene, &cloud, {.progress = watch, .layers = layers});
-    index.data()->check_arrived();
   });
 
   if (!film.sees_anything() && PyErr_WarnEx(PyExc_UserWarning, "the camera sees nothing", 1) != 0)
@@ -201,7 +200,6 @@ py::array visible(const Index& index, const py::handle& observers, std::optional
     };
     options.progress = watch;
     visibility::point_visibility(sight.occluders, sight.observers, options);
-    index.data()->check_arrived();
   });
   return answers;
 }
@@ -234,7 +232,6 @@ py::object viewshed(const Index& index, const py::handle& observers, double reso
     options.progress = watch;
     map = visibility::viewshed(sight.occluders, *sight.ground, sight.observers,
                                geo::grid_over(area, resolution), options);
-    index.data()->check_arrived();
   });
   const geo::RasterGrid& grid = map.values.grid;
   py::array_t<float> values({py::ssize_t{grid.rows}, py::ssize_t{grid.columns}});

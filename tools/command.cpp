@@ -201,7 +201,9 @@ std::string version_text() {
 
 ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extensions) {
   check_server_names(command_line);
-  set_remote_files([](const std::string& name) { return jobs::open_remote(name, &interrupted); });
+  set_remote_files([](const std::string& name) {
+    return jobs::open_remote(name, {&interrupted, &say_remote_note, &confirm});
+  });
   use_crs_library({.compare = &geo::compare_systems, .wkt = &geo::library_wkt});
   Parser parser;
   const Options program = parser.program();

@@ -2,22 +2,25 @@
 #include "tools/console.h"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 
-#include "base/remote_map.h"
 #include "base/shown_text.h"
 
 namespace alidade::tools {
 namespace {
 
-// The only state a signal handler may touch; nothing else in the program is global.
+// The only state a signal handler may touch.
 volatile std::sig_atomic_t signal_came = 0;
+
+std::atomic<bool> are_remote_notes_silent = false;  // -q, for what has no Console
 
 void note_signal(int signal) {
   signal_came = signal;
@@ -83,6 +86,31 @@ void say_note(std::string_view text) {
   say("", text);
 }
 
+void say_remote_note(const std::string& text) {
+  if (are_remote_notes_silent) return;
+  if (::isatty(STDERR_FILENO) == 1) write_to_stderr(k_line_start);
+  say_note(text);
+}
+
+void silence_remote_notes() {
+  are_remote_notes_silent = true;
+}
+
+bool confirm(const std::string& question) {
+  if (::isatty(STDIN_FILENO) != 1 || ::isatty(STDERR_FILENO) != 1) return false;
+  write_to_stderr(k_line_start + "alidade: " + line_text(question) + " [y/N] ");
+  // Signals may come to another thread, and would not end a read().
+  constexpr int k_between_looks = 100;  // milliseconds
+  ::pollfd line{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+  while (!interrupted() && ::poll(&line, 1, k_between_looks) <= 0) {
+  }
+  if (interrupted()) throw Cancelled();
+  std::string answer(80, '\0');  // a terminal gives a line at once
+  const ::ssize_t count = ::read(STDIN_FILENO, answer.data(), answer.size());
+  answer.resize(static_cast<std::size_t>(std::max<::ssize_t>(count, 0)));
+  return answer == "y\n" || answer == "Y\n" || answer == "yes\n";
+}
+
 void say_warnings(Verbosity verbosity, const std::vector<std::string>& texts) {
   if (verbosity == Verbosity::quiet) return;
   for (const std::string& text : texts) say_warning(text);
@@ -93,7 +121,6 @@ void say_note(Verbosity verbosity, std::string_view text) {
 }
 
 void write_to_stdout(std::string_view text) {
-  RemoteMap::check_all();
   // Not by stdio, which continues to wait for the reader after a signal.
   while (!text.empty()) {
     if (interrupted()) throw Cancelled();

@@ -54,6 +54,15 @@ void say_warning(std::string_view text);
 /// "alidade: TEXT": an assumption or a measurement on the user's behalf.
 void say_note(std::string_view text);
 
+/// A note of functions without a Console, which open remote files, also while a line of progress is shown:
+/// say_note(), unless silence_remote_notes() was called.
+void say_remote_note(const std::string& text);
+void silence_remote_notes();
+
+/// Asks on the terminal: "alidade: QUESTION [y/N] ". False for any other answer than yes, and if input or
+/// messages are not those of a terminal. Errors: Cancelled, if the program is interrupted meanwhile.
+bool confirm(const std::string& question);
+
 /// How much the program prints on stderr beside errors.
 enum class Verbosity { quiet, normal, verbose };
 

@@ -219,8 +219,10 @@ std::string Parser::help() const {
 }
 
 void add_verbosity(const Fields& command, Verbosity& verbosity) {
-  const Field quiet =
-      command.flag("-q,--quiet", "print errors only", [&verbosity] { verbosity = Verbosity::quiet; });
+  const Field quiet = command.flag("-q,--quiet", "print errors only", [&verbosity] {
+    verbosity = Verbosity::quiet;
+    silence_remote_notes();
+  });
   command.excludes(quiet).flag("-v,--verbose", "print details",
                                [&verbosity] { verbosity = Verbosity::verbose; });
 }

@@ -14,7 +14,6 @@
 #include "base/input_file.h"
 #include "base/parallel.h"
 #include "base/recently_used.h"
-#include "base/remote_map.h"
 #include "cloud/input_view.h"
 #include "cloud/las/las_columns.h"
 #include "cloud/read_in_pieces.h"
@@ -94,7 +93,6 @@ class OctreeChunks final : public ChunkSource {
         if (may_hold(filter, child_bounds(tree_, frames_[number], slot))) stack.push_back(child);
       }
     }
-    check_arrived();
     return found;
   }
 
@@ -112,7 +110,6 @@ class OctreeChunks final : public ChunkSource {
       for (std::uint32_t i = 0; i < leaf.count; ++i) chunk->positions.push_back(position_of(tree_, leaf, i));
       leaf.first += leaf.count;
     }
-    check_arrived();
     return chunk;
   }
 
@@ -124,8 +121,6 @@ class OctreeChunks final : public ChunkSource {
       if (blob.is(Attribute::color) && !colors_.shallow().empty())
         return color_bytes(chunk, id, row) + static_cast<std::size_t>(column.byte);
       const std::byte* const value = blob.values + static_cast<std::size_t>(id) * blob.size;
-      RemoteMap::touch({value, blob.size});
-      check_arrived();
       return value + static_cast<std::size_t>(column.byte);
     }
     if (!chunk.blobs.front()) {
@@ -136,7 +131,6 @@ class OctreeChunks final : public ChunkSource {
         std::memcpy(ids.data() + i * sizeof id, &id, sizeof id);
       }
     }
-    check_arrived();
     return chunk.blobs.front()->data() + row * sizeof(std::uint64_t);
   }
 
@@ -149,15 +143,10 @@ class OctreeChunks final : public ChunkSource {
     std::optional<std::vector<std::byte>>& colors = chunk.blobs.back();
     if (!colors) colors.emplace(chunk.positions.size() * sizeof(Color16));
     const ColorColumn one = colors_.subspan(static_cast<std::size_t>(id), 1);
-    RemoteMap::touch(std::as_bytes(one.shallow()));
-    check_arrived();
     std::byte* const made = colors->data() + row * sizeof(Color16);
     store(made, one[0]);
     return made;
   }
-
-  /// Errors: a part of a remote index file could not be fetched.
-  void check_arrived() const { RemoteMap::check(tree_.coordinates); }
 
   /// Computes the frames of all nodes; children come after their parents.
   void note_frames() {

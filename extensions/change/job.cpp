@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/remote_map.h"
 #include "cloud/crs.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
@@ -271,7 +270,6 @@ ChangeResult run(const ChangePlan& plan, Listener& listener) {
                                     {after->cloud, columns_of(result.after.points, 2)}};
     write_points(request.output, results, request.overwrite, request.memory, listener);
   }
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   say_radii("BEFORE", result.before, listener);
   say_radii("AFTER", result.after, listener);
   say_registration(request.options.registration_error, result.after, listener);

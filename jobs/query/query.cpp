@@ -13,7 +13,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/remote_map.h"
 #include "base/words.h"
 #include "geo/remote_file.h"
 #include "jobs/cloud_fields.h"
@@ -312,7 +311,6 @@ class QueryRun {
     if (cloud_ && cloud_->part) add_reads(*cloud_->part, result_.work);
     add_traffic(request_.files, result_.work);
     if (!request_.explain) result_.work.clear();
-    RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
     return std::move(result_);
   }
 

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/output_file.h"
-#include "base/remote_map.h"
 #include "base/words.h"
 #include "camera/camera.h"
 #include "cloud/axis_units.h"
@@ -236,7 +235,6 @@ HorizonResult run(const HorizonPlan& plan, Listener& listener) {
   if (!request.skyline.empty()) write_image(request, *cloud, view, listener);
   if (!request.depth.empty()) result.panorama = write_depth(request, *cloud, view, listener);
   if (!request.output.empty()) write_line(request, crs, view, listener);
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   say_findings(view, listener);
   result.observer = std::move(view.observer);
   result.line = std::move(view.line);

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "base/remote_map.h"
 #include "base/words.h"
 #include "cloud/axis_units.h"
 #include "image/image_file.h"
@@ -161,7 +160,6 @@ SunResult run_observers(const SunRequest& request, Listener& listener) {
       },
       listener);
   if (!request.diagram.empty()) write_diagram(request, *cloud, *sun, result.observers.front(), listener);
-  RemoteMap::check_all();  // as OutputFile does, for answers that are only returned
   if (!request.output.empty())
     listener.note(fmt::format("wrote {} rows to {}", result.radiation.size(), request.output.string()));
   return result;

@@ -13,7 +13,6 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "base/remote_map.h"
 #include "base/scratch_file.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
@@ -58,7 +57,8 @@ AttributeColumns columns_in(const IndexSections& sections, const PointCloud& des
 
 /// The data of the records must fill their section.
 void check_record_bytes(const IndexSections& sections, const IndexMetadata& metadata) {
-  std::uint64_t left = sections.bytes(IndexSection::record_data).size();
+  const SectionEntry* const data = sections.header().find(IndexSection::record_data);
+  std::uint64_t left = data != nullptr ? data->bytes : 0;
   for (const std::uint64_t bytes : metadata.record_bytes) {
     if (bytes > left) {
       throw file_error(sections.name(), "corrupt file: the data of the records exceeds its section",
@@ -129,11 +129,9 @@ HugeArray<Node> check_tree(const IndexSections& sections, TreeView& tree, const 
     if (bad) bad->index += first;
     require_none(sections, bad);
   };
-  tbb::parallel_invoke([&] { require_none(sections, find_broken_link(tree)); },
-                       [&] {
-                         if (!sections.are_checked_on_arrival())
-                           sections.check(IndexSection::ids, part_of(progress, nodes, total), check_ids);
-                       });
+  tbb::parallel_invoke(
+      [&] { require_none(sections, find_broken_link(tree)); },
+      [&] { sections.check(IndexSection::ids, part_of(progress, nodes, total), check_ids); });
   return copy;
 }
 
@@ -170,8 +168,15 @@ class IndexReader final : public CloudReader {
     const std::vector<VariableLengthRecord> records = index_.records();
     cloud.records.insert(cloud.records.end(), records.begin(), records.end());
     const std::uint64_t bytes = index_.header().file_bytes;
-    index_.tree();
-    report(progress, bytes / 4, bytes);
+    // Of a remote file, fetching takes nearly all the time.
+    const std::uint64_t begin = is_remote_name(index_.name()) ? bytes - bytes / 16 : bytes / 4;
+    index_.tree([&](std::uint64_t done, std::uint64_t total) {
+      return !progress ||
+             progress(static_cast<std::uint64_t>(static_cast<double>(begin) * static_cast<double>(done) /
+                                                 static_cast<double>(total)),
+                      bytes);
+    });
+    report(progress, begin, bytes);
     const AttributeSet kept = facts_.attributes & wanted;
     const std::uint64_t all = facts_.file.point_count;
     std::uint64_t row = 0;
@@ -184,8 +189,7 @@ class IndexReader final : public CloudReader {
         take_columns(cloud, kept, rows);
       }
       row += count;
-      RemoteMap::check(index_.tree().coordinates);
-      report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, all) * row, bytes);
+      report(progress, begin + (bytes - begin) / std::max<std::uint64_t>(1, all) * row, bytes);
     } while (row < all);
     report(progress, bytes, bytes);
     return {.files = facts_.source_files()};
@@ -245,18 +249,30 @@ void prepare_for_queries(const Octree& octree) {
 }  // namespace
 
 struct IndexFile::State {
-  explicit State(const InputFile& file) : sections(file) {
-    sections.check(IndexSection::metadata);
-    metadata = read_index_metadata(sections.bytes(IndexSection::metadata),
-                                   sections.header().find(IndexSection::metadata)->offset, sections.name());
+  explicit State(const InputFile& file)
+      : sections(file),
+        metadata(read_index_metadata(sections.read(IndexSection::metadata),
+                                     sections.header().find(IndexSection::metadata)->offset,
+                                     sections.name())) {
     check_record_bytes(sections, metadata);
     PointCloud& cloud = metadata.cloud;
     cloud.lattice = sections.header().tree.lattice;
     cloud.gps_time_is_standard = sections.header().gps_time_is_standard;
     cloud.project_id = sections.header().project_id;
     cloud.file_source_id = sections.header().file_source_id;
-    columns = columns_in(sections, cloud);
-    tree = tree_in(sections);
+    if (sections.is_mapped()) map({});
+  }
+
+  /// Makes columns and tree, for which a remote file is fetched. Returns whether it was.
+  bool map(const Progress& progress) {
+    bool is_fetched = false;
+    std::call_once(is_mapped, [&] {
+      is_fetched = !sections.is_mapped();
+      sections.map(progress);
+      columns = columns_in(sections, metadata.cloud);
+      tree = tree_in(sections);
+    });
+    return is_fetched;
   }
 
   IndexSections sections;
@@ -266,6 +282,7 @@ struct IndexFile::State {
   /// fifth faster; and what was checked cannot change any more.
   HugeArray<Node> nodes;
   TreeView tree;  ///< without nodes until they are checked
+  std::once_flag is_mapped;
   std::mutex checking;
   bool tree_is_checked = false;
 };
@@ -285,6 +302,7 @@ const PointCloud& IndexFile::description() const {
 }
 
 const AttributeColumns& IndexFile::columns() const {
+  state_->map({});
   return state_->columns;
 }
 
@@ -302,13 +320,12 @@ AttributeSet IndexFile::attributes() const {
 }
 
 std::vector<VariableLengthRecord> IndexFile::records() const {
-  state_->sections.check(IndexSection::record_data);
+  const std::vector<std::byte> stored = state_->sections.read(IndexSection::record_data);
   std::vector<VariableLengthRecord> records = state_->metadata.cloud.records;
-  auto rest = state_->sections.values<std::uint8_t>(IndexSection::record_data);
+  const auto* next = reinterpret_cast<const std::uint8_t*>(stored.data());
   for (std::size_t i = 0; i < records.size(); ++i) {
-    const auto bytes = static_cast<std::size_t>(state_->metadata.record_bytes[i]);
-    records[i].data.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(bytes));
-    rest = rest.subspan(bytes);
+    const std::uint8_t* const begin = std::exchange(next, next + state_->metadata.record_bytes[i]);
+    records[i].data.assign(begin, next);
   }
   return records;
 }
@@ -316,15 +333,19 @@ std::vector<VariableLengthRecord> IndexFile::records() const {
 const TreeView& IndexFile::tree(const Progress& progress) const {
   const std::scoped_lock lock(state_->checking);
   if (state_->tree_is_checked) return state_->tree;
+  // What is fetched is all that counts.
+  const std::uint64_t all = header().file_bytes;
+  const Progress none_left = [&](std::uint64_t, std::uint64_t) { return !progress || progress(all, all); };
+  const Progress& left = state_->map(progress) ? none_left : progress;
   // Isolated: a thread that waits in here must not take up a task that waits for the lock it holds.
-  tbb::this_task_arena::isolate(
-      [&] { state_->nodes = check_tree(state_->sections, state_->tree, progress); });
+  tbb::this_task_arena::isolate([&] { state_->nodes = check_tree(state_->sections, state_->tree, left); });
   state_->tree_is_checked = true;
   return state_->tree;
 }
 
 void IndexFile::verify(const Progress& progress) const {
   const IndexSections& sections = state_->sections;
+  state_->map(progress);
   for (const SectionEntry& section : header().sections)
     sections.check(section.kind, part_of(progress, section.offset, header().file_bytes));
   sections.check_gaps();

@@ -31,9 +31,12 @@
 // - octree() reads nodes and ids once (about 5 bytes per point), in parallel, before the first query:
 //   checksums, links and ids. Queries then end and stay inside the arrays. About a quarter of a second of
 //   processor time for 10^8 points in memory, shared by the cores; otherwise as fast as the disk delivers.
-//   The nodes (about 1 byte per point) are copied; all else is read from the mapped file.
+//   The nodes (about 1 byte per point) are copied; all else is read from the mapped file (base/local_map.h).
 // - coordinates and attribute columns may hold any values without harm to a program; only verify_index()
 //   reads them all. Without it, a damaged coordinate is a wrong answer.
+//
+// Of a remote file, opening it fetches header and metadata, and records() the records. octree(), columns()
+// and verify() need it all: the first of them fetches the file (RemoteFile::map()), with those errors, too.
 
 namespace alidade {
 

@@ -4,32 +4,38 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/input_file.h"
 #include "base/progress.h"
-#include "base/remote_map.h"
 #include "octree/index_file/index_header.h"
 
 namespace alidade {
 
-/// The sections of an index file in the map, and the checking of their sums. Each block of a section has a
-/// checksum in the last section, and the header has one of each section's run of these.
+/// The sections of an index file, and the checking of their sums. Each block of a section has a checksum in
+/// the last section, and the header has one of each section's run of these.
 class IndexSections {
  public:
-  /// The blocks of a remote file are checked when they arrive, and so are ids (find_bad_id()).
-  /// RemoteMap::check() throws what fails then. Errors: as read_index_header(); those of MappedFile.
+  /// Reads the header, and maps the file unless it is remote. Errors: as read_index_header(); those of
+  /// InputFile.
   explicit IndexSections(const InputFile& file);
 
-  const std::string& name() const { return map_.name(); }
+  const std::string& name() const { return file_.name(); }
   const IndexHeader& header() const { return header_; }
-  const std::shared_ptr<const void>& storage() const { return map_.storage(); }
-  /// Whether all that is read has been checked: the file is remote.
-  bool are_checked_on_arrival() const { return are_checked_on_arrival_; }
 
-  /// Empty if there is no such section.
+  /// A section with its checksums compared; of a remote file, only its bytes are fetched. Empty if there is
+  /// no such section. Thread safe. Errors: as check(); it does not fit into memory.
+  std::vector<std::byte> read(IndexSection kind) const;
+
+  bool is_mapped() const { return map_.storage != nullptr; }
+  /// Maps the file, unless it is: fetches a remote one whole. Not thread safe. Errors: InputFile::map().
+  void map(const Progress& progress);
+
+  /// A section in the map; empty if there is no such section.
   std::span<const std::byte> bytes(IndexSection kind) const;
   /// bytes() as values; they are aligned because sections are.
   template <class T>
@@ -52,14 +58,16 @@ class IndexSections {
   [[noreturn]] void fail(IndexSection kind, std::uint64_t byte, const std::string& problem) const;
 
  private:
-  void check_on_arrival(RemoteMap& map);
+  void check_blocks(IndexSection kind, std::span<const std::byte> all, const Progress& progress,
+                    const LookAtBlock& look) const;
   const SectionEntry& entry(IndexSection kind) const { return *header_.find(kind); }
   /// Errors: they differ from their sum in the header.
   std::vector<std::uint64_t> stored_checksums(IndexSection kind) const;
 
+  MappedBytes map_;
+  mutable std::mutex reading_;
+  mutable InputFile file_;  ///< the map as a file, unless it is remote
   IndexHeader header_;
-  MappedFile map_;
-  bool are_checked_on_arrival_ = false;
 };
 
 }  // namespace alidade

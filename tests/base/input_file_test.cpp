@@ -46,6 +46,12 @@ TEST_P(InputFileTest, reads_anywhere) {
   EXPECT_EQ(text(copy), "5678");
 }
 
+TEST_P(InputFileTest, maps_all_bytes_from_a_page_on) {
+  const MappedBytes map = open().map();
+  EXPECT_EQ(text(map.bytes), content_);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(map.bytes.data()) % 4096, 0u);
+}
+
 TEST_P(InputFileTest, view_up_to_stops_at_the_end) {
   InputFile file = open();
   EXPECT_EQ(text(file.view_up_to(8, 100)), "89");
@@ -102,6 +108,10 @@ class ServedFile final : public RemoteFile {
   std::uint64_t size() const override { return size_; }
   std::string version() const override { return version_; }
   void read(std::uint64_t, std::span<std::byte> into) override { std::ranges::fill(into, std::byte{'x'}); }
+  MappedBytes map(const Progress&) override {
+    static constexpr std::array k_bytes = {std::byte{'x'}};
+    return {k_bytes, nullptr};
+  }
 
  private:
   const std::uint64_t size_ = served_size;
@@ -119,12 +129,14 @@ TEST(InputFileErrorTest, a_remote_file_of_another_size_or_version_after_a_rest_i
     EXPECT_EQ(text(file.view(0, 2)), "xx");
     file.rest();
     EXPECT_EQ(text(file.view(0, 2)), "xx");
+    EXPECT_EQ(text(file.map().bytes), "x");
     file.rest();
     served_size = size;
     served_version = version;
-    const std::string message = error_of([&] { file.view(0, 2); });
-    EXPECT_NE(message.find("the file changed while it was read"), std::string::npos) << message;
-    EXPECT_NE(message.find(found), std::string::npos) << message;
+    for (const std::string& message : {error_of([&] { file.view(0, 2); }), error_of([&] { file.map(); })}) {
+      EXPECT_NE(message.find("the file changed while it was read"), std::string::npos) << message;
+      EXPECT_NE(message.find(found), std::string::npos) << message;
+    }
   }
   set_remote_files(nullptr);
 }

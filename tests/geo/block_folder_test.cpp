@@ -81,5 +81,75 @@ TEST_F(BlockFolderTest, what_has_room_stays_whatever_else_is_there) {
   }
 }
 
+class WholeCopies : public BlockFolderTest {
+ protected:
+  static constexpr std::uint64_t k_size = 1000;
+
+  static std::vector<std::byte> bytes_of(const KeptCopy& copy, std::size_t count) {
+    std::vector<std::byte> bytes(count);
+    bytes.resize(copy.file.read_at(0, bytes));
+    return bytes;
+  }
+  static std::vector<std::byte> part(int value, std::size_t count) {
+    return std::vector<std::byte>(count, std::byte(value));
+  }
+};
+
+TEST_F(WholeCopies, of_an_interrupted_fetch_are_continued) {
+  BlockFolder blocks(folder_, 1 << 20);
+  EXPECT_EQ(blocks.fetched_of("a", k_size), 0u);
+  {
+    auto copy = blocks.copy_of("a", k_size);
+    ASSERT_TRUE(copy);
+    EXPECT_EQ(copy->fetched, 0u);
+    blocks.extend(*copy, "a", k_size, part(1, 400));
+    // Another process leaves it alone meanwhile.
+    EXPECT_FALSE(blocks.copy_of("a", k_size));
+  }
+  BlockFolder later(folder_, 1 << 20);
+  EXPECT_EQ(later.fetched_of("a", k_size), 400u);
+  EXPECT_EQ(later.fetched_of("b", k_size), 0u);
+  auto copy = later.copy_of("a", k_size);
+  ASSERT_TRUE(copy);
+  ASSERT_EQ(copy->fetched, 400u);
+  later.extend(*copy, "a", k_size, part(2, 600));
+  // Complete ones are for everybody.
+  const auto again = later.copy_of("a", k_size);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->fetched, k_size);
+  std::vector<std::byte> expected = part(1, 400);
+  expected.resize(k_size, std::byte{2});
+  EXPECT_EQ(bytes_of(*again, k_size), expected);
+}
+
+TEST_F(WholeCopies, that_are_damaged_begin_anew) {
+  BlockFolder blocks(folder_, 1 << 20);
+  {
+    auto copy = blocks.copy_of("a", k_size);
+    blocks.extend(*copy, "a", k_size, part(1, k_size));
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(folder_))
+    if (entry.path().extension() == ".whole") fs::resize_file(entry.path(), k_size + 3);
+  EXPECT_EQ(blocks.fetched_of("a", k_size), 0u);
+  const auto copy = blocks.copy_of("a", k_size);
+  ASSERT_TRUE(copy);
+  EXPECT_EQ(copy->fetched, 0u);
+}
+
+TEST_F(WholeCopies, count_for_the_size_of_the_folder) {
+  BlockFolder blocks(folder_, 10 * (k_block + k_head));
+  EXPECT_FALSE(blocks.copy_of("larger", 10 * (k_block + k_head)));
+  keep_old(blocks, 5);
+  ASSERT_TRUE(blocks.copy_of("a", 6 * k_block));
+  EXPECT_FALSE(blocks.contains("old 0"));
+  EXPECT_TRUE(blocks.contains("old 4"));
+  for (const auto& entry : fs::recursive_directory_iterator(folder_))
+    if (entry.path().extension() == ".whole")
+      fs::last_write_time(entry.path(), fs::file_time_type::clock::now() - std::chrono::hours(48));
+  keep_old(blocks, 9);
+  for (const auto& entry : fs::recursive_directory_iterator(folder_))
+    EXPECT_NE(entry.path().extension(), ".whole");
+}
+
 }  // namespace
 }  // namespace alidade::test

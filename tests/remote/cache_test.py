@@ -25,6 +25,47 @@ class CacheTest(RemoteCase):
         self.query(self.server.address("good", "site.las"), settings={"ALIDADE_CACHE": "kept/folder"})
         self.assertEqual(self.server.requests, 1)
 
+    def wholes(self, cache):
+        return [path for path in self.blocks(cache) if path.endswith(".whole")]
+
+    def test_a_cache_keeps_index_files_whole(self):
+        address, size = self.server.address("good", "site.alidade"), os.path.getsize(os.path.join(self.folder, "site.alidade"))
+        expected = self.query("site.alidade")
+        self.assertEqual(self.query(address, cache="wholes"), expected)
+        (path,) = self.wholes("wholes")
+        with open(path, "rb") as kept, open(os.path.join(self.folder, "site.alidade"), "rb") as file:
+            self.assertEqual(kept.read()[:size], file.read())
+        # One that is damaged or gone is fetched again, and so is another version of the file.
+        for damage in (lambda: os.truncate(path, size - 1), lambda: os.remove(path)):
+            damage()
+            self.server.forget()
+            self.assertEqual(self.query(address, cache="wholes"), expected)
+            self.assertGreaterEqual(self.server.sent, size)
+        for number in range(2):
+            self.run_program("generate", "courtyard", "--points", "20000", "--seed", str(number), "-o", "version.las",
+                             "--overwrite")
+            self.run_program("index", "version.las", "-o", "version.alidade", "--overwrite")
+            address = self.server.address("good", "version.alidade")
+            self.assertEqual(self.query(address, cache="wholes"), self.query("version.alidade"))
+
+    def test_an_interrupted_fetch_is_continued(self):
+        self.run_program("generate", "courtyard", "--points", "1000000", "-o", "long.las")
+        self.run_program("index", "long.las", "-o", "long.alidade")
+        size, expected = os.path.getsize(os.path.join(self.folder, "long.alidade")), self.query("long.alidade")
+        self.assertGreater(size, 20 << 20)
+        # The server goes away before it has sent all; its address is that of one that stays.
+        self.server.forget()
+        self.server.closes_after = 12 << 20
+        address = self.server.address("good", "long.alidade")
+        self.assertIn("cannot read from the server", self.query(address, cache="continued", succeeds=False))
+        self.server.closes_after = None
+        self.server.forget()
+        self.assertEqual(self.query(address, cache="continued"), expected)
+        self.assertLess(self.server.sent, size - (8 << 20) + 100_000)
+        self.server.forget()
+        self.assertEqual(self.query(address, cache="continued"), expected)
+        self.assertEqual(self.server.requests, 1)
+
     def test_a_cache_keeps_files_of_servers_without_ranges(self):
         address = self.server.address("plain", "site.copc.laz")
         size = os.path.getsize(os.path.join(self.folder, "site.copc.laz"))

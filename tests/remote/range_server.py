@@ -81,6 +81,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if manner.startswith("gone-") and number > int(manner[5:]):
             self.close_connection = True
             return None
+        if server.closes_after is not None and server.sent > server.closes_after:
+            self.close_connection = True
+            return None
         if manner.startswith("silent-") and number > int(manner[7:]):
             server.stop.wait(60)
             self.close_connection = True
@@ -179,6 +182,7 @@ class RangeServer(http.server.ThreadingHTTPServer):
         self.times = []  # of the requests, seconds
         self.seen = set()
         self.other = None
+        self.closes_after = None  # bytes; answers nothing behind them
         threading.Thread(target=self.serve_forever, daemon=True).start()
 
     def content(self, name):
