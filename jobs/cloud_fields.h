@@ -32,7 +32,7 @@ enum class HeightUse { measured, as_stored };
 
 /// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --columns, --crs, --reproject and
 /// --vertical-unit, except those of the classes in `own`, which the job declares itself, then those of
-/// add_remote_fields().
+/// add_remote_fields() (jobs/remote_files.h).
 CloudView add_view_fields(const Fields& fields, std::initializer_list<std::string_view> own = {},
                           HeightUse height_use = HeightUse::measured);
 
@@ -53,21 +53,5 @@ void add_cloud(const Fields& fields, CloudInputs& files, std::initializer_list<s
 
 /// Declares --partial: ReadOptions::partial.
 Field add_partial(const Fields& fields, bool& partial);
-
-/// Declares --cache, --allow-host, --cache-size and --yes, which hold for the process: open_remote().
-void add_remote_fields(const Fields& fields);
-
-/// Who waits for remote files, and is told and asked. Functions that are missing do nothing, and say no.
-struct RemoteUser {
-  bool (*is_interrupted)() = nullptr;  ///< as geo::RemoteOptions has it
-  void (*note)(const std::string& text) = nullptr;
-  bool (*confirm)(const std::string& question) = nullptr;
-};
-
-/// Opens a remote file as add_remote_fields() states, by default with the cache of the environment variable
-/// ALIDADE_CACHE; for set_remote_files(). Before a file is fetched whole (RemoteFile::map()) the user is told
-/// its size, and asked if the process would have fetched more than 1 GB of such files, unless --yes is given:
-/// without a yes, map() is an Error. Errors: as geo::open_remote_file().
-std::unique_ptr<RemoteFile> open_remote(const std::string& name, const RemoteUser& user);
 
 }  // namespace alidade::jobs

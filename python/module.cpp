@@ -2,12 +2,11 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/input_file.h"
 #include "base/shown_text.h"
 #include "cloud/crs.h"
 #include "geo/crs_library.h"
 #include "geo/gdal_library.h"
-#include "jobs/cloud_fields.h"
+#include "jobs/remote_files.h"
 #include "python/docstrings.h"
 #include "python/python_cloud.h"
 #include "python/python_jobs.h"
@@ -56,9 +55,7 @@ PYBIND11_MODULE(_alidade, module) {
   module.doc() = alidade::python::k_module_doc;
   module.attr("__version__") = ALIDADE_VERSION;
   add_errors(module);
-  alidade::set_remote_files([](const std::string& name) {
-    return alidade::jobs::open_remote(name, {.is_interrupted = &alidade::python::is_interrupted});
-  });
+  alidade::jobs::set_remote_user({.is_interrupted = &alidade::python::is_interrupted});
   alidade::use_crs_library(
       {.compare =
            [](const Crs& a, const Crs& b) {

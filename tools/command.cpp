@@ -13,7 +13,6 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "base/input_file.h"
 #include "base/instruction_set.h"
 #include "base/words.h"
 #include "cloud/crs.h"
@@ -21,6 +20,7 @@
 #include "geo/crs_library.h"
 #include "geo/gdal_library.h"
 #include "image/image_file.h"
+#include "jobs/remote_files.h"
 #include "jobs/render/render.h"
 
 namespace alidade::tools {
@@ -201,9 +201,7 @@ std::string version_text() {
 
 ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extensions) {
   check_server_names(command_line);
-  set_remote_files([](const std::string& name) {
-    return jobs::open_remote(name, {&interrupted, &say_remote_note, &confirm});
-  });
+  jobs::set_remote_user({&interrupted, &say_remote_note, &confirm});
   use_crs_library({.compare = &geo::compare_systems, .wkt = &geo::library_wkt});
   Parser parser;
   const Options program = parser.program();

@@ -41,7 +41,6 @@ using jobs::add_checkpoint_fields;
 using jobs::add_cloud;
 using jobs::add_cloud_files;
 using jobs::add_partial;
-using jobs::add_remote_fields;
 using jobs::add_view_fields;
 using jobs::check_outputs;
 using jobs::check_writable;

@@ -17,9 +17,9 @@
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/crs.h"
-#include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
+#include "jobs/remote_files.h"
 
 namespace alidade::jobs {
 namespace {

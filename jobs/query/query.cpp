@@ -14,11 +14,11 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/words.h"
-#include "geo/remote_file.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/query/answers.h"
 #include "jobs/query/queried_cloud.h"
 #include "jobs/query/targets.h"
+#include "jobs/remote_files.h"
 #include "octree/check_query.h"
 #include "octree/explained_query.h"
 
@@ -276,7 +276,7 @@ void add_traffic(const CloudInputs& clouds, std::vector<WorkCount>& work) {
     return !input.memory && is_remote_name(input.name.string());
   });
   if (!is_any_remote) return;
-  const geo::RemoteTraffic traffic = geo::remote_traffic();
+  const RemoteTraffic traffic = remote_traffic();
   work.push_back({"remote requests", traffic.requests});
   work.push_back({"remote bytes", traffic.bytes});
 }

@@ -19,6 +19,7 @@
 #include "database/sqlite/stored_cloud.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
+#include "jobs/remote_files.h"
 
 namespace alidade::jobs {
 namespace {

@@ -96,8 +96,8 @@ def open(files: File | Sequence[File], *, partial: bool = False, classes: str | 
          crop: File | Sequence[float] | None = None, crop_crs: str | None = None,
          columns: str | Sequence[str] | None = None, crs: str | None = None, reproject: str | None = None,
          vertical_unit: Literal["m", "ft", "us-ft"] | None = None, cache: File | None = None,
-         allow_host: str | Sequence[str] | None = None, cache_size: int | str | None = None, workers: int = -1,
-         progress: Progress | None = None) -> Cloud: ...
+         allow_host: str | Sequence[str] | None = None, cache_size: int | str | None = None, yes: bool = False,
+         workers: int = -1, progress: Progress | None = None) -> Cloud: ...
 def render(index: Index, *, camera: dict[str, Any] | File | None = None, scene: dict[str, Any] | str | None = None,
            size: tuple[int, int] = (1200, 800), samples: int | None = None, layers: Sequence[str] = ...,
            exposure: float | None = None, seed: int | None = None, workers: int = -1,

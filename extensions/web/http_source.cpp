@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geo/http_source.h"
+#include "extensions/web/http_source.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

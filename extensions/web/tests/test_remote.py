@@ -10,7 +10,9 @@ import alidade
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "remote"))
+from conftest import index, yard  # noqa: F401, fixtures
+
+sys.path.insert(0, str(Path(__file__).parent))
 import range_server
 
 

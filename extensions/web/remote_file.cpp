@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geo/remote_file.h"
+#include "extensions/web/remote_file.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -22,9 +22,9 @@
 #include "base/recently_used.h"
 #include "base/scratch_file.h"
 #include "base/shown_text.h"
-#include "geo/block_folder.h"
+#include "extensions/web/block_folder.h"
+#include "extensions/web/http_source.h"
 #include "geo/gdal_reference.h"
-#include "geo/http_source.h"
 
 namespace alidade::geo {
 namespace {

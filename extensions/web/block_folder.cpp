@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geo/block_folder.h"
+#include "extensions/web/block_folder.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

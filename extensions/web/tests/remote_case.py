@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What tests of remote files share. A test is called as TEST.py PROGRAM."""
+"""What tests of remote files share. A test is called as check_*.py PROGRAM."""
 
 import os
 import subprocess

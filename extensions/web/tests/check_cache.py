@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""cache_test.py PROGRAM: what --cache FOLDER keeps of web servers, and what it leaves alone."""
+"""check_cache.py PROGRAM: what --cache FOLDER keeps of web servers, and what it leaves alone."""
 
 import os
 import subprocess

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 // Index files on the web and in archives are fetched whole, large ones only by those who agree.
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "base/fingerprint.h"
+#include "base/input_file.h"
 #include "octree/build.h"
 #include "octree/index_file/index_header.h"
 #include "octree/index_file/save_index.h"
-#include "tests/cloud/cloud_test_support.h"
 #include "tests/tools/run_program.h"
 #include "tests/tools/terminal.h"
 
@@ -23,7 +26,8 @@ void write_huge(const std::filesystem::path& archive, const std::filesystem::pat
   cloud.lattice = {glm::dvec3(1), glm::dvec3(0)};
   cloud.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   save_index(small, build(cloud), cloud);
-  const std::vector<std::byte> bytes = read_bytes(small);
+  std::vector<std::byte> bytes(std::filesystem::file_size(small));
+  InputFile(small).read_at(0, bytes);
   const IndexHeader known = read_index_header(std::span(bytes).first(k_index_page), bytes.size(), "small");
   IndexHeader huge = known;
   const auto metadata = std::ranges::find(huge.sections, IndexSection::metadata, &SectionEntry::kind);
@@ -111,7 +115,7 @@ TEST_F(FetchTest, a_terminal_is_asked) {
   {
     Terminal terminal(folder, query_);
     EXPECT_TRUE(terminal.shows("", k_question));
-    EXPECT_TRUE(terminal.shows("y\n", " % "));
+    EXPECT_TRUE(terminal.shows("y\n", " %, "));
   }
   Terminal terminal(folder, query_);
   EXPECT_TRUE(terminal.shows("", k_question));
@@ -122,7 +126,7 @@ TEST_F(FetchTest, a_terminal_is_asked) {
 TEST_F(FetchTest, who_has_agreed_is_not_asked) {
   Terminal terminal(folder, with(query_, {"--yes"}));
   EXPECT_TRUE(terminal.shows("", "fetching the whole index file, 1.2 GB, into "));
-  EXPECT_TRUE(terminal.shows("", " % "));
+  EXPECT_TRUE(terminal.shows("", " %, "));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""remote_test.py PROGRAM: clouds on HTTP servers and in archives answer as those on the disk."""
+"""check_remote.py PROGRAM: clouds on HTTP servers and in archives answer as those on the disk."""
 
 import gzip
 import json

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/scratch_file.h"
-#include "geo/remote_file.h"
+#include "extensions/web/remote_file.h"
 
 namespace alidade::geo {
 
