@@ -128,9 +128,7 @@ void for_each_number(const PointColumns& cloud, const CloudColumn& column, const
 
 ColumnStatistics column_statistics(const PointColumns& cloud, const CloudColumn& column, const Pause& pause) {
   ColumnStatistics statistics{.name = column.like.name};
-  const StoredColumn& like = column.like;
-  const bool is_float = like.type == ScalarType::float32 || like.type == ScalarType::float64;
-  statistics.is_whole = column.values != nullptr && !is_float && like.scale == 1.0 && like.offset == 0.0;
+  statistics.is_whole = column.values != nullptr && column.like.is_whole();
   statistics.least = std::numeric_limits<double>::infinity();
   statistics.most = -statistics.least;
   QuantileSearch search;

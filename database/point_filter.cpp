@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "octree/distance.h"
-
 namespace alidade::database {
 namespace {
 
@@ -31,6 +29,13 @@ bool meets_distances(const PointFilter& filter, const PointOrBox& where) {
 }
 
 }  // namespace
+
+void PointFilter::add(DistanceKind kind, const CloudLine& line, const Interval& distance) {
+  if (kind == DistanceKind::ray)
+    lines.push_back({.ray = {.origin = line.position, .direction = line.unit}, .distance = distance});
+  else
+    planes.push_back({.plane = {line.position, line.unit}, .distance = distance});
+}
 
 bool holds(const PointFilter& filter, const glm::dvec3& point) {
   return filter.box.contains(point) && meets_distances(filter, point);

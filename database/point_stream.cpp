@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "database/point_stream.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_pipeline.h>
 #include <algorithm>
 #include <cstring>
 #include <functional>
-#include <type_traits>
 #include <utility>
 
 #include "base/bytes.h"
+#include "base/error.h"
 #include "base/parallel.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
@@ -98,27 +99,6 @@ void spread_values(const ColorSpread& spread, const PickedPoints& points, std::s
 }
 
 }  // namespace
-
-std::vector<ValueBlob> value_blobs(const AttributeColumns& columns) {
-  std::vector<ValueBlob> blobs;
-  for_each_column(columns, [&](Attribute attribute, const auto& column) {
-    if (column.empty()) return;
-    const auto values = [&] {
-      if constexpr (std::is_same_v<decltype(column), const ColorColumn&>)
-        return column.deep().data();
-      else
-        return column.data();
-    }();
-    blobs.push_back(
-        {reinterpret_cast<const std::byte*>(values), sizeof column[0], ValueBlob::number_of(attribute)});
-  });
-  std::size_t number = ValueBlob::number_of(Attribute::extra_dimensions);
-  for (const ExtraColumn& column : columns.extra_dimensions) {
-    blobs.push_back({reinterpret_cast<const std::byte*>(column.values.data()),
-                     static_cast<std::size_t>(column.description.byte_count), number++});
-  }
-  return blobs;
-}
 
 void PointStream::write_run(const PointCloud& piece) {
   const AttributeColumns columns = columns_of(piece);
@@ -296,7 +276,9 @@ OrderedCloud::OrderedCloud(const std::filesystem::path& folder, const CloudInput
   points.finish(whole.rest);
 }
 
-OrderedCloud::OrderedCloud(const std::filesystem::path& folder, const PointCloud& cloud) : points(folder) {
+OrderedCloud::OrderedCloud(const PointCloud& cloud) {
+  check_that(cloud.size() <= UINT32_MAX, "too many points in memory",
+             fmt::format("at most {}, or files", UINT32_MAX), std::to_string(cloud.size()));
   points.finish(cloud);
   describe(cloud);
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -22,22 +21,6 @@
 #include "database/stored_column.h"
 
 namespace alidade::database {
-
-/// Values of one blob (StoredColumn), by row of the cloud.
-struct ValueBlob {
-  const std::byte* values = nullptr;
-  std::size_t size = 0;    ///< bytes per point
-  std::size_t number = 0;  ///< of the attribute's bit; of extra dimensions theirs, after all bits
-
-  bool is(Attribute attribute) const { return number == number_of(attribute); }
-  static constexpr std::size_t number_of(Attribute attribute) {
-    return static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(attribute)));
-  }
-};
-
-/// All blobs but the first, which holds ids; in the order of stored_columns(). The columns must outlive them.
-/// Colours of 8 bits have no values.
-std::vector<ValueBlob> value_blobs(const AttributeColumns& columns);
 
 /// Some points of a cloud, by columns.
 struct PointBlock {
@@ -68,8 +51,8 @@ class PointStream {
   /// Memory per point of a piece, beside its columns.
   static constexpr std::uint64_t k_bytes_beside = 36;
 
-  /// `folder`: where the file is made.
-  explicit PointStream(std::filesystem::path folder) : file_(std::move(folder)) {}
+  /// `folder`: where the file is made, unless there is a single piece.
+  explicit PointStream(std::filesystem::path folder = {}) : file_(std::move(folder)) {}
 
   /// Adds the points of a piece (CloudPieces), fewer than 2^32, whose ids follow those of the pieces before.
   /// Errors: ScratchFile's.
@@ -159,12 +142,16 @@ struct StoredFiles {
 
 /// A cloud along the Morton curve, to be written to a database.
 struct OrderedCloud {
-  /// Reads cloud files; `memory`: bytes for points. Those of a larger cloud are kept in a file in `folder`.
+  /// Reads cloud files; `memory`: bytes for points. Those of a larger cloud are kept in a file without a name
+  /// in `folder`, which takes the size of their columns and 4 bytes per point. Errors: those of
+  /// read_in_pieces(); no space left. Cancelled. Memory: `memory`, two blocks of 1024 points for each time
+  /// that it was full, and that of CloudReader::read().
   OrderedCloud(const std::filesystem::path& folder, const CloudInputs& inputs, const ReadOptions& reading,
                std::uint64_t memory);
-  /// The cloud must outlive it.
-  OrderedCloud(const std::filesystem::path& folder, const PointCloud& cloud);
-  /// A cloud of so many points that comes in pieces; `facts` has no points.
+  /// The cloud must outlive it. Errors: more than 2^32 - 1 points. Memory: 36 bytes per point at the peak.
+  explicit OrderedCloud(const PointCloud& cloud);
+  /// A cloud of so many points that comes in pieces. `facts`: its lattice, reference system and extra
+  /// dimensions. Memory: two pieces, 36 bytes per point of one, and two blocks of 1024 points for each.
   OrderedCloud(const std::filesystem::path& folder, const PointCloud& facts, std::uint64_t point_count,
                const PointPieces& pieces);
 

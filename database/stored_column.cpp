@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -69,7 +68,7 @@ template <class Number>
 ColumnValue meant_value(const StoredColumn& column, Number stored) {
   const double number = static_cast<double>(stored);
   if (column.no_data && is_mark(*column.no_data, stored)) return std::monostate{};
-  if (column.scale != 1.0 || column.offset != 0.0) return column.offset + column.scale * number;
+  if (column.is_scaled()) return column.offset + column.scale * number;
   if constexpr (std::is_integral_v<Number>) {
     if (std::in_range<std::int64_t>(stored)) return static_cast<std::int64_t>(stored);
     return static_cast<std::uint64_t>(stored);
@@ -135,6 +134,33 @@ std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<Ex
   return stored_columns(cloud);
 }
 
+std::vector<StoredColumn> stored_columns(const AttributeColumns& columns) {
+  std::vector<ExtraDimension> dimensions;
+  for (const ExtraColumn& column : columns.extra_dimensions) dimensions.push_back(column.description);
+  return stored_columns(columns.attributes(), std::move(dimensions));
+}
+
+std::vector<ValueBlob> value_blobs(const AttributeColumns& columns) {
+  std::vector<ValueBlob> blobs;
+  for_each_column(columns, [&](Attribute attribute, const auto& column) {
+    if (column.empty()) return;
+    const auto values = [&] {
+      if constexpr (std::is_same_v<decltype(column), const ColorColumn&>)
+        return column.deep().data();
+      else
+        return column.data();
+    }();
+    blobs.push_back(
+        {reinterpret_cast<const std::byte*>(values), sizeof column[0], ValueBlob::number_of(attribute)});
+  });
+  std::size_t number = ValueBlob::number_of(Attribute::extra_dimensions);
+  for (const ExtraColumn& column : columns.extra_dimensions) {
+    blobs.push_back({reinterpret_cast<const std::byte*>(column.values.data()),
+                     static_cast<std::size_t>(column.description.byte_count), number++});
+  }
+  return blobs;
+}
+
 void rename_earlier_columns(std::vector<StoredColumn>& columns) {
   for (std::size_t i = 1; i < columns.size(); ++i) {
     const bool is_earlier = columns[i].name == k_earlier_number_of_returns &&
@@ -167,24 +193,11 @@ std::vector<CloudColumn> cloud_columns(const PointColumns& cloud) {
     column.like.name = "xyz"[axis];
     column.axis = axis;
   }
-  // In the order in which stored_columns() numbers blobs.
-  std::vector<std::span<const std::byte>> blobs(1);
-  for_each_column(cloud.attributes, [&](Attribute, const auto& column) {
-    if (column.empty()) return;
-    if constexpr (std::is_same_v<decltype(column), const ColorColumn&>)
-      blobs.push_back(std::as_bytes(column.deep()));
-    else
-      blobs.push_back(std::as_bytes(column));
-  });
-  std::vector<ExtraDimension> dimensions;
-  for (const ExtraColumn& column : cloud.attributes.extra_dimensions) {
-    blobs.push_back(std::as_bytes(column.values));
-    dimensions.push_back(column.description);
-  }
-  for (StoredColumn& stored : stored_columns(cloud.attributes.attributes(), std::move(dimensions))) {
+  const std::vector<ValueBlob> blobs = value_blobs(cloud.attributes);
+  for (StoredColumn& stored : stored_columns(cloud.attributes)) {
     if (stored.blob == 0) continue;
     CloudColumn& column = columns.emplace_back();
-    column.values = blobs[static_cast<std::size_t>(stored.blob)].data() + stored.byte;
+    column.values = blobs[static_cast<std::size_t>(stored.blob - 1)].values + stored.byte;
     column.like = std::move(stored);
   }
   return columns;

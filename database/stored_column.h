@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -27,7 +28,27 @@ struct StoredColumn {
   double scale = 1.0, offset = 0.0;  ///< value = offset + scale * number, or the number if 1 and 0
   /// The number that marks missing values, NULL in SQL. Widened to 8 bytes, as in ExtraDimension.
   std::optional<std::array<std::uint8_t, 8>> no_data{};
+
+  bool is_scaled() const { return scale != 1.0 || offset != 0.0; }
+  /// Whether SQL has integers for it; or bytes.
+  bool is_whole() const { return type != ScalarType::float32 && type != ScalarType::float64 && !is_scaled(); }
 };
+
+/// Values of one blob, by row of a cloud.
+struct ValueBlob {
+  const std::byte* values = nullptr;
+  std::size_t size = 0;    ///< bytes per point
+  std::size_t number = 0;  ///< of the attribute's bit; of extra dimensions theirs, after all bits
+
+  bool is(Attribute attribute) const { return number == number_of(attribute); }
+  static constexpr std::size_t number_of(Attribute attribute) {
+    return static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(attribute)));
+  }
+};
+
+/// All blobs but the first, which holds ids; in the order of stored_columns(). The columns must outlive them.
+/// Colours of 8 bits have no values.
+std::vector<ValueBlob> value_blobs(const AttributeColumns& columns);
 
 /// The columns of a standard attribute, all in one blob, one after another, as in PointCloud.
 struct AttributeParts {
@@ -43,6 +64,7 @@ AttributeParts attribute_parts(Attribute attribute);
 /// one or from one of PostgreSQL's own gets a number appended; long ones are cut to 63 bytes, as in
 /// PostgreSQL; control characters and bytes that are not UTF-8 become '_'.
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
+std::vector<StoredColumn> stored_columns(const AttributeColumns& columns);
 /// As stored_columns() of a cloud with these attributes and extra dimensions.
 std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<ExtraDimension> dimensions);
 

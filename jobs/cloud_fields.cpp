@@ -16,6 +16,7 @@
 #include "database/sqlite/where_clause.h"
 #include "geo/reproject.h"
 #include "geo/vector_file.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/load_cloud.h"
 #include "jobs/remote_files.h"
 
@@ -212,6 +213,14 @@ CloudView add_view_fields(const Fields& fields, std::initializer_list<std::strin
   return target;
 }
 
+std::string database_help() {
+  std::string help = "; or a table of a database: site.db?table=NAME";
+  for (const AddedFormat& added : added_formats()) {
+    if (added.format != nullptr && added.make_store != nullptr) help += " or " + added.make_store()->form();
+  }
+  return help;
+}
+
 Field add_cloud_files(const Fields& fields, const std::string& name, const std::string& kind,
                       const std::string& help, CloudInputs& clouds, const CloudView& view) {
   return fields.words(name, kind, help, [&clouds, view](const std::vector<std::string>& words) {
@@ -224,7 +233,7 @@ void add_cloud(const Fields& fields, CloudInputs& files, std::initializer_list<s
   const CloudView view = add_view_fields(fields, own);
   add_cloud_files(fields.required(), "cloud", "CLOUD...",
                   k_files_help + ", a catalog of files (.catalog.json), an index file (.alidade), " +
-                      k_database_help.substr(2),
+                      database_help().substr(2),
                   files, view);
 }
 

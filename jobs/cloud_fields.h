@@ -39,8 +39,7 @@ CloudView add_view_fields(const Fields& fields, std::initializer_list<std::strin
 /// Beginning and end of the help of a cloud's files.
 inline const std::string k_files_help =
     "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud";
-inline const std::string k_database_help =
-    "; or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+std::string database_help();
 
 /// Declares the field that takes the files of a cloud; folders and patterns are expanded (resolve_clouds())
 /// when it is read. Errors then: those of resolve_clouds().

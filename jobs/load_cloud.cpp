@@ -10,18 +10,10 @@
 
 #include "base/error.h"
 #include "base/shown_text.h"
-#include "database/server/server_clouds.h"
-#include "database/sqlite/stored_cloud.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 
 namespace alidade::jobs {
-
-CloudFormats cloud_formats() {
-  static const std::vector<const CloudFormat*> formats =
-      with_file_formats({&database::k_server_format, &database::k_sqlite_format, &k_index_format});
-  return formats;
-}
 
 PointCloud read_files(const CloudInputs& files, bool partial, ReadOptions options, Listener& listener) {
   options.partial = partial;
@@ -64,24 +56,16 @@ PointColumns points_of(HeldCloud& cloud) {
   return scratch != nullptr ? scratch->points() : points_of(std::get<PointCloud>(cloud));
 }
 
-database::StoredFiles store_in_stages(
-    ReadOptions options, const std::string& storing, Listener& listener,
-    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work) {
-  const std::unique_ptr<Listener::Stage> read = listener.begin("reading", "B");
-  std::unique_ptr<Listener::Stage> store;
-  Progress show;
-  options.progress = read->callback();
-  database::StoredFiles stored = work(options, [&](std::uint64_t done, std::uint64_t total) {
-    if (!store) {
-      read->finish();
-      store = listener.begin(storing, "points");
-      show = store->callback();
-    }
-    return show(done, total);
-  });
-  if (store) store->finish();
-  warn_all(listener, stored.warnings);
-  return stored;
+database::StoredFiles store_in_stages(const CloudInputs& files, ReadOptions options, std::uint64_t memory,
+                                      const std::string& storing, const OpenStore& output,
+                                      Listener& listener) {
+  const std::unique_ptr<Listener::Stage> reading = listener.begin("reading", "B");
+  options.progress = reading->callback();
+  database::OrderedCloud cloud(output.folder, files, options, memory);
+  reading->finish();
+  in_stage(listener, storing, "points", [&](const Progress& progress) { output.store(cloud, progress); });
+  warn_all(listener, cloud.whole.rest.warnings);
+  return std::move(cloud).stored();
 }
 
 Field add_scratch_memory(const Fields& fields, std::optional<std::size_t>& memory) {

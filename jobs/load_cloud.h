@@ -15,15 +15,12 @@
 #include "cloud/crs.h"
 #include "cloud/read_cloud.h"
 #include "cloud/scratch_cloud.h"
-#include "database/point_stream.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "octree/index_file/index_file.h"
 
 namespace alidade::jobs {
-
-/// All formats that jobs read: tables of servers, SQLite, index files, and those of files.
-CloudFormats cloud_formats();
 
 /// Reads the files of a cloud, or loads them with an octree, each as one stage; warns of what the cloud warns
 /// of. `partial`: damaged files are read in part; that and `progress` of the options are ignored.
@@ -42,11 +39,11 @@ HeldCloud hold_cloud(const CloudInputs& files, ReadOptions options,
 const PointCloud& facts_of(const HeldCloud& cloud);
 PointColumns points_of(HeldCloud& cloud);
 
-/// Returns what work(reading, storing) returns, which reads files and then stores their points: two stages,
-/// the second one called `storing`; warns of what the cloud warns of. `progress` of the options is ignored.
-database::StoredFiles store_in_stages(
-    ReadOptions options, const std::string& storing, Listener& listener,
-    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work);
+/// Reads files and then stores their points: two stages, the second one called `storing`; warns of what the
+/// cloud warns of. `memory`: bytes for points. `progress` of the options is ignored.
+database::StoredFiles store_in_stages(const CloudInputs& files, ReadOptions options, std::uint64_t memory,
+                                      const std::string& storing, const OpenStore& output,
+                                      Listener& listener);
 
 /// Declares --memory of jobs and commands that can hold clouds in scratch files.
 Field add_scratch_memory(const Fields& fields, std::optional<std::size_t>& memory);

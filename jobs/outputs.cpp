@@ -35,12 +35,12 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
   const OutputFile attempt(output, overwrite);
 }
 
-void check_extension(const std::filesystem::path& file, std::initializer_list<std::string_view> extensions) {
+void check_extension(const std::filesystem::path& file, const std::vector<std::string>& extensions) {
   const std::string name = lower_case(file.filename().string());
   std::string expected = "the extension ";
-  for (const std::string_view& extension : extensions) {
+  for (const std::string& extension : extensions) {
     if (name.size() > extension.size() && name.ends_with(extension)) return;
-    if (&extension != extensions.begin()) expected += &extension + 1 == extensions.end() ? " or " : ", ";
+    if (&extension != &extensions.front()) expected += &extension == &extensions.back() ? " or " : ", ";
     expected += extension;
   }
   throw file_error(file, "unknown output format", expected);

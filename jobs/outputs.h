@@ -2,10 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace alidade::jobs {
 
@@ -16,7 +16,7 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs = {});
 
 /// Errors: a file's name ends in none of these, given in lower case as ".las"; its own case is ignored.
-void check_extension(const std::filesystem::path& file, std::initializer_list<std::string_view> extensions);
+void check_extension(const std::filesystem::path& file, const std::vector<std::string>& extensions);
 
 /// check_writable() for all files that a job or command writes; empty names are left out. Errors: two of them
 /// are one file, or one is among `others`, outputs that are checked elsewhere.

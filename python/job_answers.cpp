@@ -198,10 +198,6 @@ py::object answer_of(const jobs::LoadPlan&, const database::StoredFiles& result)
   return py::dict(py::arg("points") = result.point_count);
 }
 
-py::object answer_of(const jobs::ShardPlanPlan&, const database::StoredFiles& result) {
-  return py::dict(py::arg("points") = result.point_count);
-}
-
 py::object answer_of(const jobs::RewritePlan&, const std::vector<database::RewrittenStatement>& result) {
   py::list statements;
   for (const database::RewrittenStatement& one : result)

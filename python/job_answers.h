@@ -43,7 +43,6 @@ py::object answer_of(const jobs::CatalogPlan& plan, const jobs::CatalogResult& r
 py::object answer_of(const jobs::GeneratePlan& plan, PointCloud& result);
 py::object answer_of(const jobs::ComparePlan& plan, const jobs::CompareResult& result);
 py::object answer_of(const jobs::LoadPlan& plan, const database::StoredFiles& result);
-py::object answer_of(const jobs::ShardPlanPlan& plan, const database::StoredFiles& result);
 py::object answer_of(const jobs::RewritePlan& plan, const std::vector<database::RewrittenStatement>& result);
 
 py::object answer_of(const jobs::SqlPlan& plan, const jobs::SqlResult& result);

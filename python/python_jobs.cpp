@@ -241,7 +241,6 @@ std::vector<Job> core_jobs() {
           core_job("sql", &add_sql_fields),
           core_job("sql load", &jobs::add_load_fields),
           core_job("sql rewrite", &jobs::add_rewrite_fields),
-          core_job("sql shard-plan", &jobs::add_shard_plan_fields, answer),
           core_job("visibility points", &jobs::add_points_fields),
           core_job("visibility raster", &jobs::add_raster_fields),
           core_job("visibility horizon", &jobs::add_horizon_fields),

@@ -16,10 +16,10 @@
 #include "base/instruction_set.h"
 #include "base/words.h"
 #include "cloud/crs.h"
-#include "database/server/server_name.h"
 #include "geo/crs_library.h"
 #include "geo/gdal_library.h"
 #include "image/image_file.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/remote_files.h"
 #include "jobs/render/render.h"
 
@@ -120,7 +120,7 @@ void check_server_names(const CommandLine& words) {
   for (const std::string& word : words) {
     const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
     const std::string name = equals == std::string::npos ? word : word.substr(equals + 1);
-    if (database::is_server_name(name)) database::ServerName{name};
+    if (const jobs::AddedFormat* const server = jobs::server_of(name)) server->shown(name);
   }
 }
 

@@ -150,9 +150,4 @@ std::string version_text();
 /// Runs a command line, whose first word is the program's name. Errors: those of the commands.
 ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extensions);
 
-/// `alidade sql load`, `alidade sql rewrite` and `alidade sql shard-plan`.
-Command add_sql_load(const Options& sql);
-Command add_sql_rewrite(const Options& sql);
-Command add_sql_shard_plan(const Options& sql);
-
 }  // namespace alidade::tools

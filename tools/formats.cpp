@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "jobs/cloud_formats.h"
 #include "tools/command.h"
 
 namespace alidade::tools {
 namespace {
 
-/// How a format can be used, for `alidade formats`.
-struct FormatFacts {
-  const char *name, *extensions, *versions, *use, *remarks;
-};
+using FormatFacts = jobs::AddedFormat::Facts;
 
-constexpr FormatFacts k_formats[] = {
+constexpr FormatFacts k_clouds[] = {
     {"LAS", ".las", "1.0 to 1.4", "read, write 1.4", "point formats 0 to 10; extra bytes, records"},
     {"LAZ", ".laz", "1.0 to 1.4", "read, write 1.4", "point by point and in layers; without wave packets"},
     {"COPC", ".copc.laz", "1.0", "read, write", "queried in place, without reading all of it"},
@@ -25,9 +25,8 @@ constexpr FormatFacts k_formats[] = {
     {"XYZ", ".xyz, .txt", "", "read, write", "columns by their order; coordinates alone are written"},
     {"Alidade index", ".alidade", "2", "read, write", "octree and attributes, mapped from disk"},
     {"Catalog", ".catalog.json", "STAC 1.0", "read, write", "alidade catalog: many files and their bounds"},
-    {"SQLite", "site.db?table=NAME", "3", "read, write", "alidade sql load; chunks are read as needed"},
-    {"PostgreSQL", "postgresql://...", "", "read, write", "alidade sql load; extension alidade_pg prunes"},
-    {"Parquet", ".parquet", "", "write", "for DuckDB, DataFusion, ...; --geometry adds GeoParquet 1.1"},
+};
+constexpr FormatFacts k_others[] = {
     {"Elevation raster", ".tif, ...", "", "read, write", "all that GDAL reads; GeoTIFF is written"},
     {"Images", ".png, .jpg, .exr, .tif", "", "read, write", "all that OpenImageIO reads"},
     {"Mesh", ".ply, .obj", "", "read", "triangles beside the cloud (--mesh)"},
@@ -36,6 +35,17 @@ constexpr FormatFacts k_formats[] = {
     {"Cameras", "COLMAP, transforms.json, ...", "", "read", "docs/cameras.md"},
 };
 
+/// All formats, those that extensions add among them.
+std::vector<FormatFacts> all_formats() {
+  std::vector<FormatFacts> all(std::begin(k_clouds), std::end(k_clouds));
+  for (const bool is_read : {true, false}) {
+    for (const jobs::AddedFormat& added : jobs::added_formats())
+      if ((added.format != nullptr) == is_read) all.push_back(added.facts);
+  }
+  all.insert(all.end(), std::begin(k_others), std::end(k_others));
+  return all;
+}
+
 struct FormatsCommand : RunRequest {
   bool json = false;
 };
@@ -43,7 +53,7 @@ struct FormatsCommand : RunRequest {
 ExitCode run(const FormatsCommand& command) {
   if (command.json) {
     nlohmann::ordered_json formats = nlohmann::ordered_json::array();
-    for (const FormatFacts& format : k_formats) {
+    for (const FormatFacts& format : all_formats()) {
       formats.push_back({{"name", format.name},
                          {"extensions", format.extensions},
                          {"versions", format.versions},
@@ -54,7 +64,7 @@ ExitCode run(const FormatsCommand& command) {
     return ExitCode::done;
   }
   std::string text = fmt::format("{:<17} {:<29} {:<11} {:<16} {}\n", "format", "name", "versions", "use", "");
-  for (const FormatFacts& format : k_formats)
+  for (const FormatFacts& format : all_formats())
     text += fmt::format("{:<17} {:<29} {:<11} {:<16} {}\n", format.name, format.extensions, format.versions,
                         format.use, format.remarks);
   write_to_stdout(text);

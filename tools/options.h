@@ -50,7 +50,6 @@ using jobs::Field;
 using jobs::Fields;
 using jobs::HeightUse;
 using jobs::ImageSize;
-using jobs::k_database_help;
 using jobs::k_files_help;
 using jobs::parse_classes;
 using jobs::parse_count;

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/bounds.h"
+#include "database/chunk_source.h"
 #include "database/point_filter.h"
-#include "database/sqlite/chunk_source.h"
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 

@@ -3,11 +3,8 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
-#include "cloud/crs.h"
-#include "cloud/lattice.h"
-#include "database/stored_column.h"
+#include "database/chunk_source.h"
 
 struct sqlite3;
 
@@ -27,15 +24,6 @@ inline constexpr int k_cloud_table_version = 1;
 /// What follows NAME_ in the names of these tables.
 inline constexpr const char* k_cloud_table_parts[] = {"cloud", "column", "chunk", "value", "bounds"};
 inline constexpr std::uint32_t k_most_chunk_points = 65536;
-
-struct CloudSchema {
-  Lattice lattice;
-  std::uint64_t point_count = 0;
-  std::uint64_t chunk_count = 0;
-  Crs crs;
-  bool gps_time_is_standard = false;  ///< PointCloud::gps_time_is_standard
-  std::vector<StoredColumn> columns;
-};
 
 /// Makes the ordinary tables of `table`. Errors: SQLite's.
 void create_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,

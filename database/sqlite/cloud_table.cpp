@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "database/file_cloud.h"
 #include "database/sqlite/chunk_store.h"
-#include "database/sqlite/file_cloud.h"
 #include "database/sqlite/scan.h"
 #include "database/sqlite/virtual_table.h"
 #include "database/stored_column.h"
@@ -140,16 +140,11 @@ int create(sqlite3* database, void* reads, int count, const char* const* words, 
 
 /// The text of a literal of SQL. Errors: anything else.
 std::string literal_text(std::string_view literal) {
-  constexpr char k_mark = '\'';
-  std::string text;
-  bool is_literal = literal.size() > 2 && literal.front() == k_mark && literal.back() == k_mark;
-  for (std::size_t i = 1; is_literal && i + 1 < literal.size(); ++i) {
-    text += literal[i];
-    if (literal[i] == k_mark) is_literal = literal[++i] == k_mark && i + 1 < literal.size();
-  }
-  check_that(is_literal, "invalid argument of alidade", "a quoted file name: USING alidade('site.laz')",
+  const TokenList tokens(literal);
+  check_that(tokens.size() == 1 && tokens.is(0, SqlTokenKind::text) && tokens.text(0).size() > 2,
+             "invalid argument of alidade", "a quoted file name: USING alidade('site.laz')",
              std::string(literal));
-  return text;
+  return unquoted(tokens.text(0));
 }
 
 /// Opening a database must not open files that its author chose. Errors: a table of files does not belong to

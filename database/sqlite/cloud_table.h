@@ -23,7 +23,7 @@ int add_cloud_table(sqlite3* database, ScanReads* reads = nullptr);
 /// Registers the module alidade with a connection, for cloud files that are not loaded:
 ///   CREATE VIRTUAL TABLE temp.name USING alidade('site.laz')
 /// The arguments are one or more names of files, folders and patterns (FileCloud,
-/// database/sqlite/file_cloud.h), as text of SQL, which are one cloud. Columns, and the conditions that skip
+/// database/file_cloud.h), as text of SQL, which are one cloud. Columns, and the conditions that skip
 /// chunks, are those of a pointcloud table with the same points, and so are rows except for their order and
 /// rowid. Files are opened when the table is made, and remain open until it is dropped or the connection is
 /// closed. If a file has changed meanwhile, the next statement fails.

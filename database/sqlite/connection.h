@@ -10,37 +10,11 @@
 #include <vector>
 
 #include "base/error.h"
-#include "cloud/read_cloud.h"
-#include "database/sql_name.h"
+#include "database/file_cloud.h"
+#include "database/sql/sql_tokens.h"
 #include "database/sqlite/sqlite_api.h"
 
 namespace alidade::database {
-
-/// Counts of what scans of clouds have read.
-struct ScanReads {
-  std::uint64_t scans = 0;        ///< in a join, a table is scanned once for each row before it
-  std::uint64_t chunks = 0;       ///< of the clouds, summed over the scans
-  std::uint64_t chunks_read = 0;  ///< of these
-  std::uint64_t points_read = 0;  ///< in these
-  std::uint64_t rows_given = 0;   ///< points that were passed to SQLite
-
-  ScanReads& operator+=(const ScanReads& other) {
-    scans += other.scans;
-    chunks += other.chunks;
-    chunks_read += other.chunks_read;
-    points_read += other.points_read;
-    rows_given += other.rows_given;
-    return *this;
-  }
-};
-
-/// Options of tables of cloud files.
-struct FileTables {
-  ReadOptions reading{};
-  std::function<bool()> is_given_up{};                          ///< if it returns true, scans end
-  std::function<void(const std::vector<std::string>&)> warn{};  ///< called with PointCloud::warnings
-  ScanReads* reads = nullptr;                                   ///< to which scans add their counts
-};
 
 /// The file of one of a connection's databases, for messages.
 inline std::string file_of(sqlite3* database, const std::string& schema = "main") {
@@ -174,7 +148,7 @@ class Connection {
   /// not a database.
   Connection(const std::filesystem::path& file, Mode mode, std::function<bool()> is_given_up = {});
   /// A database in memory with the table `points` over cloud files. Of `files`, `reading` and `warn` are used
-  /// only until it is made; `reads` is not used. Errors: those of FileCloud (database/sqlite/file_cloud.h).
+  /// only until it is made; `reads` is not used. Errors: those of FileCloud (database/file_cloud.h).
   Connection(std::span<const std::filesystem::path> clouds, FileTables files);
   ~Connection() { sqlite3_close(database_); }
   Connection(const Connection&) = delete;

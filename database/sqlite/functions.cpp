@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "octree/distance.h"
 
 namespace alidade::database {
 namespace {
@@ -35,20 +34,13 @@ void call(sqlite3_context* context, int count, sqlite3_value** values) {
   if (result == SQLITE_NOMEM) sqlite3_result_error_nomem(context);
 }
 
-void dist_ray(sqlite3_context* context, Values values, const char* name) {
+template <DistanceKind kind>
+void dist(sqlite3_context* context, Values values, const char* name) {
   const auto n = numbers<9>(values, name);
   if (!n) return;
-  const auto& [ox, oy, oz, dx, dy, dz, x, y, z] = *n;
-  const Ray ray = make_ray({ox, oy, oz}, {dx, dy, dz});
-  sqlite3_result_double(context, project(ray, glm::dvec3(x, y, z)).distance);
-}
-
-void dist_plane(sqlite3_context* context, Values values, const char* name) {
-  const auto n = numbers<9>(values, name);
-  if (!n) return;
-  const auto& [px, py, pz, nx, ny, nz, x, y, z] = *n;
-  const Plane plane = make_plane({px, py, pz}, {nx, ny, nz});
-  sqlite3_result_double(context, signed_distance(plane, glm::dvec3(x, y, z)));
+  const auto& [px, py, pz, dx, dy, dz, x, y, z] = *n;
+  sqlite3_result_double(context,
+                        distance(kind, make_line(kind, {px, py, pz}, {dx, dy, dz}), glm::dvec3(x, y, z)));
 }
 
 void set_limit(sqlite3_context* context, const DistanceLimit& limit) {
@@ -56,7 +48,7 @@ void set_limit(sqlite3_context* context, const DistanceLimit& limit) {
   sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
 }
 
-template <DistanceLimit::Kind kind>
+template <DistanceKind kind>
 void limit(sqlite3_context* context, Values values, const char* name) {
   const auto given = numbers<8>(values, name);
   DistanceLimit limit{.kind = kind};
@@ -73,7 +65,7 @@ void limit(sqlite3_context* context, Values values, const char* name) {
   if (given) set_limit(context, limit);
 }
 
-template <DistanceLimit::Kind kind>
+template <DistanceKind kind>
 void try_limit(sqlite3_context* context, Values values, const char* name) {
   try {
     limit<kind>(context, values, name);
@@ -83,12 +75,12 @@ void try_limit(sqlite3_context* context, Values values, const char* name) {
 }
 
 constexpr SqlFunction k_functions[] = {
-    {"dist_ray", 9, dist_ray},
-    {"dist_plane", 9, dist_plane},
-    {"ray_limit", 8, limit<DistanceLimit::Kind::ray>},
-    {"plane_limit", 8, limit<DistanceLimit::Kind::plane>},
-    {"try_ray_limit", 8, try_limit<DistanceLimit::Kind::ray>},
-    {"try_plane_limit", 8, try_limit<DistanceLimit::Kind::plane>},
+    {"dist_ray", 9, dist<DistanceKind::ray>},
+    {"dist_plane", 9, dist<DistanceKind::plane>},
+    {"ray_limit", 8, limit<DistanceKind::ray>},
+    {"plane_limit", 8, limit<DistanceKind::plane>},
+    {"try_ray_limit", 8, try_limit<DistanceKind::ray>},
+    {"try_plane_limit", 8, try_limit<DistanceKind::plane>},
 };
 
 struct SetResult {
@@ -111,7 +103,7 @@ void set_result(sqlite3_context* context, const ColumnValue& value) {
 std::vector<std::byte> encode(const DistanceLimit& limit) {
   std::vector<std::byte> bytes(k_head + sizeof limit.numbers);
   std::memcpy(bytes.data(), k_mark, sizeof k_mark);
-  bytes[k_head - 1] = static_cast<std::byte>(limit.kind);
+  if (limit.kind) bytes[k_head - 1] = static_cast<std::byte>(*limit.kind);
   std::memcpy(bytes.data() + k_head, limit.numbers.data(), sizeof limit.numbers);
   return bytes;
 }
@@ -120,21 +112,17 @@ DistanceLimit decode_distance_limit(std::span<const std::byte> bytes) {
   DistanceLimit limit;
   const bool is_one = bytes.size() == k_head + sizeof limit.numbers &&
                       std::memcmp(bytes.data(), k_mark, sizeof k_mark) == 0 &&
-                      bytes[k_head - 1] <= static_cast<std::byte>(DistanceLimit::Kind::plane);
+                      bytes[k_head - 1] <= static_cast<std::byte>(DistanceKind::plane);
   check_that(is_one, "in_chunk: argument 2 is not a limit", "ray_limit(...) or plane_limit(...)");
-  limit.kind = static_cast<DistanceLimit::Kind>(bytes[k_head - 1]);
+  if (bytes[k_head - 1] != std::byte{0}) limit.kind = static_cast<DistanceKind>(bytes[k_head - 1]);
   std::memcpy(limit.numbers.data(), bytes.data() + k_head, sizeof limit.numbers);
   return limit;
 }
 
 void add(const DistanceLimit& limit, PointFilter& filter) {
-  const auto& n = limit.numbers;
-  const glm::dvec3 origin(n[0], n[1], n[2]), direction(n[3], n[4], n[5]);
-  const Interval distance{n[6], n[7]};
-  if (limit.kind == DistanceLimit::Kind::ray)
-    filter.lines.push_back({.ray = make_ray(origin, direction), .distance = distance});
-  else if (limit.kind == DistanceLimit::Kind::plane)
-    filter.planes.push_back({.plane = make_plane(origin, direction), .distance = distance});
+  const auto& [px, py, pz, dx, dy, dz, least, largest] = limit.numbers;
+  if (limit.kind)
+    filter.add(*limit.kind, make_line(*limit.kind, {px, py, pz}, {dx, dy, dz}), {least, largest});
 }
 
 void in_chunk(sqlite3_context* context, int, sqlite3_value** values) {

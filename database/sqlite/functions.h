@@ -71,8 +71,7 @@ std::optional<std::array<double, count>> numbers(std::span<sqlite3_value* const>
 /// A limit on dist_ray or dist_plane as one value of SQL: the result of ray_limit() and plane_limit(), and
 /// the argument of in_chunk().
 struct DistanceLimit {
-  enum class Kind : unsigned char { none, ray, plane };
-  Kind kind = Kind::none;
+  std::optional<DistanceKind> kind{};  ///< empty: no limit
   /// Origin and direction or normal, as they were given; least and largest distance, inclusive.
   std::array<double, 8> numbers{};
 };
@@ -82,8 +81,7 @@ std::vector<std::byte> encode(const DistanceLimit& limit);
 /// Errors: the bytes are not a result of encode().
 DistanceLimit decode_distance_limit(std::span<const std::byte> bytes);
 
-/// Adds the limit to the conditions of a filter; Kind::none adds nothing. Errors: those of make_ray() and
-/// make_plane().
+/// Adds the limit to the conditions of a filter. Errors: those of make_line().
 void add(const DistanceLimit& limit, PointFilter& filter);
 
 /// Registers with a connection the functions

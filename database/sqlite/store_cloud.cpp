@@ -175,7 +175,9 @@ void check_name(const std::string& table) {
              "invalid table name", "a nonempty name that does not begin with sqlite_", "'" + table + "'");
 }
 
-void check(const std::filesystem::path& file, const StoreOptions& options) {
+}  // namespace
+
+void check_store(const std::filesystem::path& file, const StoreOptions& options) {
   check_that(options.chunk_points >= 1 && options.chunk_points <= k_most_chunk_points,
              "invalid number of points per chunk", fmt::format("1 to {}", k_most_chunk_points),
              std::to_string(options.chunk_points));
@@ -183,7 +185,8 @@ void check(const std::filesystem::path& file, const StoreOptions& options) {
   if (std::filesystem::exists(file)) check_table(Connection(file, Connection::Mode::write).get(), options);
 }
 
-void store_ordered(const std::filesystem::path& file, OrderedCloud& cloud, const StoreOptions& options) {
+void store_cloud(const std::filesystem::path& file, OrderedCloud& cloud, const StoreOptions& options) {
+  check_store(file, options);
   const std::uint64_t most_points = std::uint64_t{UINT32_MAX} * options.chunk_points;
   check_that(cloud.points.size() <= most_points, "too many points for one table",
              fmt::format("at most {}", most_points), std::to_string(cloud.points.size()));
@@ -203,22 +206,9 @@ void store_ordered(const std::filesystem::path& file, OrderedCloud& cloud, const
   }
 }
 
-}  // namespace
-
 void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, const StoreOptions& options) {
-  check(file, options);
-  check_that(cloud.size() <= UINT32_MAX, "too many points in memory",
-             fmt::format("at most {}, or files", UINT32_MAX), std::to_string(cloud.size()));
-  OrderedCloud ordered(file.parent_path(), cloud);
-  store_ordered(file, ordered, options);
-}
-
-StoredFiles store_files(const std::filesystem::path& file, const CloudInputs& inputs,
-                        const ReadOptions& reading, const StoreOptions& options) {
-  check(file, options);
-  OrderedCloud cloud(file.parent_path(), inputs, reading, options.memory);
-  store_ordered(file, cloud, options);
-  return std::move(cloud).stored();
+  OrderedCloud ordered(cloud);
+  store_cloud(file, ordered, options);
 }
 
 }  // namespace alidade::database

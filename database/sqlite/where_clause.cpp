@@ -13,7 +13,7 @@
 
 #include "base/parallel.h"
 #include "base/words.h"
-#include "database/sqlite/sql_tokens.h"
+#include "database/sql/sql_tokens.h"
 #include "database/sqlite/virtual_table.h"
 #include "database/stored_column.h"
 

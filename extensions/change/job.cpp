@@ -35,7 +35,7 @@ void add_epoch(const Fields& fields, const char* operand, const CloudView& view,
       operand, epoch.name,
       "the cloud of this epoch: a file, a folder, a quoted pattern such as 'tiles/*.las', an index file "
       "(.alidade)" +
-          k_database_help,
+          database_help(),
       [&epoch, view](const std::string& text) {
         epoch.files = view.apply(resolve_clouds(std::vector<std::filesystem::path>{text}, cloud_formats()));
       });

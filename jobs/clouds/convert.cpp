@@ -20,7 +20,6 @@
 #include "cloud/las/write_las.h"
 #include "cloud/rows.h"
 #include "cloud/select_points.h"
-#include "database/parquet/write_parquet.h"
 #include "geo/reproject.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/clouds/index.h"
@@ -36,8 +35,13 @@ std::size_t memory_of(const ConvertRequest& request) {
   return request.memory.value_or(std::size_t{4} << 30);
 }
 
-bool is_parquet(const ConvertRequest& request) {
-  return has_extension(request.output, {".parquet"});
+/// The extension's output that the request names; null: a format of files or an index file.
+const CloudStore* store_of(const ConvertRequest& request) {
+  return store_of(request.stores, request.output, true);
+}
+
+StoreTarget target_of(const ConvertRequest& request) {
+  return {.output = request.output, .overwrite = request.overwrite};
 }
 
 /// Whether points change after reading: some are dropped, or they get normals.
@@ -161,16 +165,6 @@ void add_normals(HeldCloud& held, const std::optional<ScratchSpace>& scratch, Li
   measure_normals(octree, points_of(held), facts_of(held).scanner_positions, normals, listener);
 }
 
-database::ParquetOptions parquet_options(const ConvertRequest& request, const Progress& progress) {
-  database::ParquetOptions options{.geometry = request.geometry,
-                                   .overwrite = request.overwrite,
-                                   .memory = memory_of(request),
-                                   .projjson = &geo::projjson_of,
-                                   .progress = progress};
-  options.group_points = request.group_points.value_or(options.group_points);
-  return options;
-}
-
 /// All rows of a cloud in memory at once; of one in scratch files so many.
 PointPieces pieces_of(HeldCloud& held, std::size_t rows_at_once) {
   if (const auto* const cloud = std::get_if<PointCloud>(&held))
@@ -187,7 +181,7 @@ void write(const ConvertRequest& request, HeldCloud& held, const std::optional<S
     write_index(request.output, held, {}, request.overwrite, scratch, listener);
     return;
   }
-  // The formats copy rows, and Parquet sorts them.
+  // The formats of files copy rows, and others sort them.
   constexpr std::size_t k_sorting = 36, k_least_rows = std::size_t{1} << 14,
                         k_most_rows = std::size_t{1} << 20;
   const PointCloud& facts = facts_of(held);
@@ -195,16 +189,25 @@ void write(const ConvertRequest& request, HeldCloud& held, const std::optional<S
   const AttributeSet attributes = points_of(held).attributes.attributes();
   const std::size_t row = 2 * bytes_per_point(facts, attributes) + k_sorting;
   const std::size_t room = std::clamp<std::size_t>(memory_of(request) / row, k_least_rows, UINT32_MAX);
-  if (!is_parquet(request)) {
+  const CloudStore* const store = store_of(request);
+  if (store == nullptr) {
     const PointRows rows{facts, attributes, count, pieces_of(held, std::min(room, k_most_rows))};
     write_rows(request.output, rows, request.overwrite, memory_of(request) / 2, listener);
     return;
   }
   in_stage(listener, "writing", "points", [&](const Progress& progress) {
-    const database::ParquetOptions options = parquet_options(request, progress);
-    if (!scratch) return database::write_parquet(request.output, facts, options);
-    // Merging takes memory for each piece.
-    database::write_parquet(request.output, facts, count, pieces_of(held, room), options);
+    const OpenStore output = store->open(target_of(request));
+    const auto sorted = [&] {
+      if (!scratch) return database::OrderedCloud(facts);
+      // Merging takes memory for each piece.
+      const PointPieces pieces = pieces_of(held, room);
+      return database::OrderedCloud(output.folder, facts, count, [&](std::size_t first) -> const PointCloud& {
+        report(progress, 0, count);
+        return pieces(first);
+      });
+    };
+    database::OrderedCloud cloud = sorted();
+    output.store(cloud, progress);
   });
 }
 
@@ -229,22 +232,28 @@ ConvertResult result_of(const ConvertRequest& request, std::uint64_t count, std:
 }
 
 /// Points of a cloud that memory need not hold, since they are sorted in any case.
-ConvertResult convert_to_parquet(const ConvertRequest& request, Listener& listener) {
-  const ReadOptions reading{.color_depth = request.color_depth, .partial = request.partial};
-  const database::StoredFiles stored = store_in_stages(
-      reading, "writing", listener, [&](const ReadOptions& watched, const Progress& progress) {
-        return database::write_parquet(request.output, request.files, watched,
-                                       parquet_options(request, progress));
-      });
+ConvertResult convert_sorted(const ConvertRequest& request, const CloudStore& store, Listener& listener) {
+  const database::StoredFiles stored =
+      store_in_stages(request.files, {.color_depth = request.color_depth, .partial = request.partial},
+                      memory_of(request), "writing", store.open(target_of(request)), listener);
   return result_of(request, stored.point_count, stored.point_count, stored.files, {}, listener);
+}
+
+/// ".las", ...: the extensions of all formats that are written.
+std::vector<std::string> extensions_of(const ConvertRequest& request) {
+  std::vector<std::string> all = {".las", ".laz", ".copc.laz", ".ply", ".csv", ".xyz", ".alidade"};
+  for (const auto& store : request.stores) {
+    if (store->is_file()) all.push_back(store->form());
+  }
+  return all;
 }
 
 }  // namespace
 
 void add_convert_fields(const Fields& fields, ConvertRequest& request) {
-  add_cloud_files(fields.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
+  add_cloud_files(fields.required(), "files", "FILE...", k_files_help + ", or index files" + database_help(),
                   request.files, add_view_fields(fields, {}, HeightUse::as_stored));
-  fields.required().file("-o,--output", "FILE.las|.laz|.copc.laz|.ply|.csv|.xyz|.alidade|.parquet",
+  fields.required().file("-o,--output", fmt::format("FILE{}", fmt::join(extensions_of(request), "|")),
                          "output file; the extension selects the format", request.output);
   fields.count("--every", "N", "keep the first point and every N-th after it", request.every, 1, UINT64_MAX);
   fields.length(
@@ -257,13 +266,7 @@ void add_convert_fields(const Fields& fields, ConvertRequest& request) {
       "give the points normals, of the planes through their neighbours: towards the nearest scanner where "
       "the file has scanner positions (E57, PTX, PCD), else upwards; zero for points without a surface",
       request.normals);
-  fields.flag("--geometry",
-              "Parquet: also write a column of WKB points and the metadata of GeoParquet 1.1, for GIS",
-              request.geometry);
-  fields.count("--group-points", "N",
-               "Parquet: points per row group, 1024 to 1048576 (default: 65536); fewer where these take more "
-               "than 32 MiB",
-               request.group_points, 1024, 1048576);
+  for (const auto& store : request.stores) store->add_fields(fields);
   fields.choice("--color-depth",
                 "bits in use of LAS colours (default: 8 if none exceeds 255); the output has 16",
                 request.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
@@ -277,11 +280,10 @@ void add_convert_fields(const Fields& fields, ConvertRequest& request) {
 }
 
 ConvertPlan plan(const ConvertRequest& request) {
-  check_extension(request.output,
-                  {".las", ".laz", ".copc.laz", ".ply", ".csv", ".xyz", ".alidade", ".parquet"});
-  if ((request.geometry || request.group_points) && !is_parquet(request)) {
-    const std::string option = request.geometry ? "--geometry" : "--group-points";
-    throw file_error(request.output, option + " requires Parquet", "the extension .parquet");
+  check_extension(request.output, extensions_of(request));
+  for (const auto& store : request.stores) {
+    if (const std::string problem = store->misplaced(); !problem.empty() && store.get() != store_of(request))
+      throw file_error(request.output, problem, "the extension " + store->form());
   }
   check_writable(request.output, request.overwrite, request.inputs());
   if (request.spacing || request.normals) {
@@ -294,13 +296,14 @@ ConvertPlan plan(const ConvertRequest& request) {
 
 ConvertResult run(const ConvertPlan& plan, Listener& listener) {
   const ConvertRequest& request = plan.request();
-  if (is_parquet(request) && !request.spacing && !request.normals) {
+  const CloudStore* const store = store_of(request);
+  if (store != nullptr && !request.spacing && !request.normals) {
     if (const std::string problem = unit_problem(request); !problem.empty())
       listener.warn(fmt::format("{}: {}; distances need one unit: {}", request.files.first_name().string(),
                                 problem, k_one_unit));
   }
   if (only_packing_changes(request)) return repack(request, listener);
-  if (is_parquet(request) && !chooses_points(request)) return convert_to_parquet(request, listener);
+  if (store != nullptr && !chooses_points(request)) return convert_sorted(request, *store, listener);
   std::optional<ScratchSpace> scratch;
   if (is_large(request)) {
     scratch = scratch_beside(request.output, memory_of(request) / 2);

@@ -6,6 +6,7 @@
 
 #include "base/bounds.h"
 #include "cloud/read_cloud.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
@@ -20,8 +21,7 @@ struct ConvertRequest : CloudRequest {
   std::optional<double> spacing;  ///< thin()
   bool normals = false;           ///< of the surfaces around the points
   ColorDepth color_depth = ColorDepth::automatic;
-  bool geometry = false;                        ///< ParquetOptions::geometry
-  std::optional<std::uint32_t> group_points{};  ///< ParquetOptions::group_points; empty: its default
+  CloudStores stores = make_stores();  ///< with the settings of formats that extensions add
 };
 
 /// Declares all fields.
@@ -31,14 +31,14 @@ void add_convert_fields(const Fields& fields, ConvertRequest& request);
 using ConvertPlan = Plan<ConvertRequest>;
 
 /// Errors: an output of an unknown format, that is an input, or that cannot be replaced or written; settings
-/// of Parquet for another format; a spacing or normals where x and y have another unit than heights.
+/// of one format for another; a spacing or normals where x and y have another unit than heights.
 ConvertPlan plan(const ConvertRequest& request);
 
 /// What was written.
 struct ConvertResult {
   std::uint64_t point_count = 0;
   std::uint64_t input_count = 0;  ///< points of the files, before any selection
-  std::optional<Bounds> bounds;   ///< empty if points went from file to file: LAS to LAZ, and to Parquet
+  std::optional<Bounds> bounds;   ///< empty if points went from file to file: LAS to LAZ, or to a CloudStore
 };
 
 /// Reads the cloud, thins it, measures normals, writes the file, and notes how many points it has. If nothing

@@ -17,8 +17,6 @@
 #include "base/fingerprint.h"
 #include "base/input_file.h"
 #include "base/scratch_checkpoint.h"
-#include "database/server/server_clouds.h"
-#include "database/sqlite/stored_cloud.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/outputs.h"
 #include "octree/index_file/save_index.h"
@@ -106,7 +104,7 @@ void check_checkpoint_folder(const IndexRequest& request) {
   if (same_file(folder, request.output) || holds(folder, request.output))
     throw file_error(folder, "the checkpoint is or holds the output", "another folder");
   for (const CloudInput& input : request.files.inputs) {
-    if (input.is(database::k_sqlite_format) || input.is(database::k_server_format))
+    if (is_in_database(input))
       throw file_error(input.name, "--checkpoint does not find changes of tables", "cloud files");
     if (!is_remote_name(input.name.string()) && holds(folder, input.name))
       throw file_error(folder, "the checkpoint holds the input " + input.name.string(), "another folder");

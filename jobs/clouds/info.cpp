@@ -291,7 +291,7 @@ Json statistics_json(const database::CloudStatistics& statistics) {
 }  // namespace
 
 void add_info_fields(const Fields& fields, InfoRequest& request) {
-  add_cloud_files(fields.required(), "files", "FILE...", k_files_help + k_database_help, request.files,
+  add_cloud_files(fields.required(), "files", "FILE...", k_files_help + database_help(), request.files,
                   add_view_fields(fields, {}, HeightUse::as_stored));
   fields.flag(
       "--stats",

@@ -12,7 +12,7 @@
 #include "base/ray_slabs.h"
 #include "cloud/read_cloud.h"
 #include "cloud/rows.h"
-#include "jobs/cloud_part.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/load_cloud.h"
 #include "jobs/query/targets.h"
 #include "octree/build.h"

@@ -12,7 +12,7 @@
 #include "camera/projection.h"
 #include "image/image_file.h"
 #include "image/legend.h"
-#include "jobs/cloud_part.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "renderer/checkpoint.h"

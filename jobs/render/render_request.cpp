@@ -87,7 +87,7 @@ void add_surfaces(const Fields& fields, RenderRequest& request) {
   request.view = add_view_fields(fields);
   const Field scene = fields.words(
       "scene", "SCENE.json|CLOUD...",
-      "scene file; or " + k_files_help + ", rendered without one" + k_database_help,
+      "scene file; or " + k_files_help + ", rendered without one" + database_help(),
       [&request](const std::vector<std::string>& words) { take_scene_or_clouds(words, request); });
   const Field cloud = fields.excludes(scene).words(
       "--cloud", "FILE...", "the same as CLOUD",

@@ -12,7 +12,7 @@
 #include "image/color_points.h"
 #include "image/legend.h"
 #include "image/read_image.h"
-#include "jobs/cloud_part.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/load_cloud.h"
 #include "jobs/mesh_files.h"
 #include "jobs/outputs.h"

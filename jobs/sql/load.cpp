@@ -7,7 +7,6 @@
 #include "base/output_file.h"
 #include "base/words.h"
 #include "cloud/catalog.h"
-#include "database/server/server_clouds.h"
 #include "database/sqlite/store_cloud.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
@@ -17,6 +16,48 @@ namespace alidade::jobs {
 namespace {
 
 constexpr std::size_t k_memory = std::size_t{1} << 30;
+
+/// Errors: the database has the name of a cloud: it was probably forgotten.
+void check_name(const std::filesystem::path& database) {
+  if (!is_catalog_name(database.string()) &&
+      !has_extension(database, {".las", ".laz", ".ply", ".pcd", ".e57", ".pts", ".ptx", ".xyz", ".csv",
+                                ".alidade", ".parquet"}))
+    return;
+  throw file_error(database, "the database name is that of a cloud file",
+                   "the database as the last name, such as site.db");
+}
+
+/// The extension's output that the request names; null: an SQLite file.
+const CloudStore* database_of(const LoadRequest& request) {
+  return store_of(request.stores, request.output, false);
+}
+
+StoreTarget target_of(const LoadRequest& request) {
+  const bool is_default = request.table == StoreRequest().table;
+  return {request.output, is_default ? "" : request.table, request.overwrite};
+}
+
+OpenStore open_sqlite(const LoadRequest& request) {
+  database::StoreOptions options{.table = request.table, .replace = request.overwrite};
+  options.chunk_points = request.chunk_points.value_or(options.chunk_points);
+  database::check_store(request.output, options);
+  return {request.output.parent_path(), [output = request.output, options](database::OrderedCloud& cloud,
+                                                                           const Progress& progress) mutable {
+            options.progress = progress;
+            database::store_cloud(output, cloud, options);
+          }};
+}
+
+/// The forms of databases that are not SQLite files, for the help.
+std::string forms_of(const CloudStores& stores) {
+  std::string text;
+  for (const auto& store : stores) {
+    if (!store->is_file()) text += fmt::format(", or '{}'", store->form());
+  }
+  return text;
+}
+
+}  // namespace
 
 void add_table(const Fields& fields, StoreRequest& request) {
   fields.text("--table", "NAME", "table name of the cloud (default: points)", request.table);
@@ -33,35 +74,13 @@ void add_storing(const Fields& fields, StoreRequest& request) {
   add_partial(fields, request.partial);
 }
 
-/// Errors: the database has the name of a cloud: it was probably forgotten.
-void check_name(const std::filesystem::path& database) {
-  if (!is_catalog_name(database.string()) &&
-      !has_extension(database, {".las", ".laz", ".ply", ".pcd", ".e57", ".pts", ".ptx", ".xyz", ".csv",
-                                ".alidade", ".parquet"}))
-    return;
-  throw file_error(database, "the database name is that of a cloud file",
-                   "the database as the last name, such as site.db");
-}
-
-/// The table on the server. Errors: it is named twice; fields for SQLite only.
-database::ServerName server_name(const LoadRequest& request) {
-  database::ServerName name(request.output.string());
-  const bool is_named_twice = !name.table.empty() && request.table != StoreRequest().table;
-  if (is_named_twice) throw file_error(name.shown(), "duplicate table name", "?table= or --table");
-  if (request.chunk_points)
-    throw file_error(name.shown(), "--chunk-points does not apply to servers", "no --chunk-points");
-  if (name.table.empty()) name.table = request.table;
-  return name;
-}
-
-}  // namespace
-
 void add_load_fields(const Fields& fields, LoadRequest& request) {
   const CloudView view = add_view_fields(fields);
   fields.required().words(
       "files", "FILE... DB",
       "cloud files, folders, catalogs or patterns such as 'tiles/*.las', joined into one cloud; then the "
-      "database, an SQLite file, created if missing, or 'postgresql://HOST/DATABASE?table=NAME'",
+      "database, an SQLite file, created if missing" +
+          forms_of(request.stores),
       [&request, view](const std::vector<std::string>& words) {
         const std::vector<std::filesystem::path> files(words.begin(), words.end() - 1);
         request.files = view.apply(resolve_clouds(files, cloud_formats()));
@@ -75,76 +94,38 @@ void add_load_fields(const Fields& fields, LoadRequest& request) {
   add_storing(fields, request);
 }
 
-void add_shard_plan_fields(const Fields& fields, ShardPlanRequest& request) {
-  add_cloud_files(fields.required(), "files", "FILE...", k_files_help, request.files,
-                  add_view_fields(fields));
-  fields.required().file("-o,--output", "FOLDER", "output folder", request.output);
-  fields.required().words(
-      "--shard", "HOST[:PORT]/DATABASE...",
-      "databases, each for an equal part of the points; default port 5432. Users and passwords belong "
-      "in the servers' user mappings",
-      [&shards = request.shards](const std::vector<std::string>& words) {
-        shards.clear();
-        for (const std::string& word : words) shards.push_back(database::parse_shard(word));
-      });
-  add_table(fields, request);
-  add_storing(fields, request);
-}
-
 LoadPlan plan(const LoadRequest& request) {
-  CheckedLoad checked{request, {}};
-  if (database::is_server_name(request.output.string())) {
-    checked.server = server_name(request);
+  std::string database = request.output.string();
+  if (const CloudStore* const store = database_of(request)) {
+    database = store->check(target_of(request));
+    if (request.chunk_points)
+      throw file_error(database, "--chunk-points does not apply to servers", "no --chunk-points");
   } else {
     check_name(request.output);
     // An existing database stays: `overwrite` replaces a table in it.
     if (!request.overwrite) check_links(request.output);
     check_writable(request.output, true, request.files.names());
   }
-  const std::string database = checked.server ? checked.server->shown() : request.output.string();
-  return LoadPlan(std::move(checked),
-                  {.clouds = request.files, .partial = request.partial, .writes = {database}});
-}
-
-ShardPlanPlan plan(const ShardPlanRequest& request) {
-  database::check_shard_plan(request.output, request.table);
-  return ShardPlanPlan(request,
-                       {.clouds = request.files, .partial = request.partial, .writes = {request.output}});
+  return LoadPlan(request, {.clouds = request.files, .partial = request.partial, .writes = {database}});
 }
 
 database::StoredFiles run(const LoadPlan& plan, Listener& listener) {
-  const CheckedLoad& request = plan.request();
-  const ReadOptions reading{.color_depth = request.color_depth, .partial = request.partial};
-  database::StoredFiles stored =
-      store_in_stages(reading, "storing", listener, [&](const ReadOptions& read, const Progress& storing) {
-        if (request.server)
-          return database::store_on_server(*request.server, request.files, read,
-                                           {request.overwrite, request.memory.value_or(k_memory), storing});
-        return database::store_files(
-            request.output, request.files, read,
-            {request.table, request.chunk_points.value_or(database::StoreOptions().chunk_points),
-             request.overwrite, request.memory.value_or(k_memory), storing});
-      });
+  const LoadRequest& request = plan.request();
+  const CloudStore* const store = database_of(request);
+  const database::StoredFiles stored =
+      store_in_stages(request, "storing",
+                      store != nullptr ? store->open(target_of(request)) : open_sqlite(request), listener);
   listener.note(fmt::format("stored {} points as {}", stored.point_count,
-                            request.server
-                                ? request.server->shown()
+                            store != nullptr
+                                ? store->check(target_of(request))
                                 : fmt::format("table {} of {}", request.table, request.output.string())));
   return stored;
 }
 
-database::StoredFiles run(const ShardPlanPlan& plan, Listener& listener) {
-  const ShardPlanRequest& request = plan.request();
-  const ReadOptions reading{.color_depth = request.color_depth, .partial = request.partial};
-  database::StoredFiles stored =
-      store_in_stages(reading, "writing", listener, [&](const ReadOptions& read, const Progress& writing) {
-        return database::write_shard_plan(
-            request.output, request.files, read, request.shards,
-            {.table = request.table, .memory = request.memory.value_or(k_memory), .progress = writing});
-      });
-  listener.note(fmt::format("planned {} points for {} shards in {}; {} lists the commands",
-                            stored.point_count, request.shards.size(), request.output.string(),
-                            (request.output / "README.txt").string()));
-  return stored;
+database::StoredFiles store_in_stages(const StoreRequest& request, const std::string& storing,
+                                      const OpenStore& output, Listener& listener) {
+  return store_in_stages(request.files, {.color_depth = request.color_depth, .partial = request.partial},
+                         request.memory.value_or(k_memory), storing, output, listener);
 }
 
 }  // namespace alidade::jobs

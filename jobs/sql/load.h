@@ -4,12 +4,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "cloud/read_cloud.h"
-#include "database/point_stream.h"
-#include "database/server/server_name.h"
-#include "database/server/shard_plan.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
@@ -23,38 +20,33 @@ struct StoreRequest : CloudRequest {
   ColorDepth color_depth = ColorDepth::automatic;
 };
 
-/// A cloud for a database, the `output`: an SQLite file, or a table of a server (database::ServerName).
-/// `overwrite`: an existing cloud of that name.
+/// A cloud for a database, the `output`: an SQLite file, or what an extension adds. `overwrite`: an existing
+/// cloud of that name.
 struct LoadRequest : StoreRequest {
+  CloudStores stores = make_stores();
   std::optional<std::uint32_t> chunk_points;  ///< of SQLite, 1 to 65536; empty: 1024
 };
 
-/// A cloud for several servers; `output` is a folder.
-struct ShardPlanRequest : StoreRequest {
-  std::vector<database::Shard> shards;
-};
-
-/// Declare all fields.
+/// Declares all fields.
 void add_load_fields(const Fields& fields, LoadRequest& request);
-void add_shard_plan_fields(const Fields& fields, ShardPlanRequest& request);
 
-struct CheckedLoad : LoadRequest {
-  std::optional<database::ServerName> server;  ///< empty: an SQLite file
-};
-using LoadPlan = Plan<CheckedLoad>;
-using ShardPlanPlan = Plan<ShardPlanRequest>;
+/// Declare those of a StoreRequest: the table's name, and what reading and sorting take.
+void add_table(const Fields& fields, StoreRequest& request);
+void add_storing(const Fields& fields, StoreRequest& request);
+
+using LoadPlan = Plan<LoadRequest>;
 
 /// Checks all that can be checked before a point is read. Errors: a database with the name of a cloud, or
-/// that is one of the files or cannot be written; a table on a server that is named twice, or has chunks;
-/// those of database::check_shard_plan().
+/// that is one of the files or cannot be written; a chunk size for another database than SQLite; those of
+/// CloudStore::check().
 LoadPlan plan(const LoadRequest& request);
-ShardPlanPlan plan(const ShardPlanRequest& request);
 
-/// Stores the cloud as a table, and notes where. Errors: those of database::store_files() and
-/// database::store_on_server(); Cancelled. Memory: theirs.
+/// Stores the cloud as a table, and notes where. Errors: those of database::store_cloud() and of the
+/// extension's output; Cancelled. Memory: theirs.
 database::StoredFiles run(const LoadPlan& plan, Listener& listener);
 
-/// Writes the folder. Errors: those of database::write_shard_plan(); Cancelled. Memory: its.
-database::StoredFiles run(const ShardPlanPlan& plan, Listener& listener);
+/// Reads the cloud of such a request, and stores it by `output`: store_in_stages().
+database::StoredFiles store_in_stages(const StoreRequest& request, const std::string& storing,
+                                      const OpenStore& output, Listener& listener);
 
 }  // namespace alidade::jobs

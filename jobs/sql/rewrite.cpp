@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "cloud/read_cloud.h"
-#include "database/sqlite/sql_tokens.h"
+#include "database/sql/sql_tokens.h"
 #include "jobs/load_cloud.h"
 
 namespace alidade::jobs {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "database/sqlite/rewrite_statement.h"
+#include "database/sql/rewrite_statement.h"
 #include "jobs/fields.h"
 #include "jobs/listener.h"
 #include "jobs/plan.h"

@@ -13,9 +13,8 @@
 
 #include "base/error.h"
 #include "base/words.h"
-#include "database/server/server_name.h"
+#include "database/sql/sql_tokens.h"
 #include "database/sqlite/prepare.h"
-#include "database/sqlite/sql_tokens.h"
 #include "database/sqlite/stored_cloud.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
@@ -67,13 +66,7 @@ SqlValue sql_value(std::string_view text) {
                        std::string(text));
   }
   if (text.size() < 2 || text.front() != '\'' || text.back() != '\'') return std::string(text);
-  std::string inner;
-  text = text.substr(1, text.size() - 2);
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    inner += text[i];
-    if (text.substr(i).starts_with("''")) ++i;
-  }
-  return inner;
+  return database::unquoted(text);
 }
 
 /// "1.5", "name=value".
@@ -275,8 +268,8 @@ SqlPlan plan(const SqlRequest& request) {
     throw input_error("missing cloud or database",
                       "alidade sql CLOUD \"SELECT ...\", or alidade sql load FILE... DB");
   }
-  if (database::is_server_name(request.cloud.string())) {
-    throw file_error(database::ServerName(request.cloud.string()).shown(), "not an SQLite file but a server",
+  if (const AddedFormat* const server = server_of(request.cloud.string())) {
+    throw file_error(server->shown(request.cloud.string()), "not an SQLite file but a server",
                      "an SQLite file or cloud files (for a server, use psql with the alidade_pg extension)");
   }
   const bool is_database = names_database(request.cloud);

@@ -15,5 +15,4 @@ compare = _job("compare", "Compare images of files, folders or a table of pairs:
 sql = _job("sql", "Query a cloud with SQL: alidade.Rows of the statement, or a list of them.")
 sql_load = _job("sql load", "Store a cloud in a database: a dict with the number of points.")
 sql_rewrite = _job("sql rewrite", "Rewrite statements for engines without dist_ray: a list of dicts.")
-sql_shard_plan = _job("sql shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers: a dict with the number of points.")
 globals().update(_added_jobs(lambda command: not command.startswith("visibility ")))

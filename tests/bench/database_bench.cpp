@@ -100,7 +100,8 @@ void load(benchmark::State& state, const Files& files, std::uint64_t memory) {
   const std::filesystem::path las = files.las();
   for (auto _ : state) {
     on_threads(2, [&] {
-      return store_files(files.other_database(), resolve_clouds({&las, 1}), {}, {.memory = memory});
+      OrderedCloud cloud(las.parent_path(), resolve_clouds({&las, 1}), {}, memory);
+      store_cloud(files.other_database(), cloud);
     });
   }
   std::filesystem::remove(files.other_database());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // engines.mjs ALIDADE CLOUD FILE.parquet REPETITIONS: what DuckDB and DataFusion read of a Parquet file for the paper's statements, with the
-// conditions that `alidade sql rewrite` adds and without. Prints JSON. Modules beside it: those of tests/database/parquet.
+// conditions that `alidade sql rewrite` adds and without. Prints JSON. Modules beside it: those of extensions/parquet/tests/readers.
 import { execFileSync } from 'node:child_process';
 import { asyncBufferFromFile, parquetMetadataAsync } from 'hyparquet';
 import { DuckDBInstance } from '@duckdb/node-api';

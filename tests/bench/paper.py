@@ -75,7 +75,7 @@ def engines_table(run, cloud):
         return "Not measured: Node is not installed."
     readers = run.results / "readers"
     readers.mkdir(exist_ok=True)
-    modules = run.repository / "tests/database/parquet"
+    modules = run.repository / "extensions/parquet/tests/readers"
     for file in [*modules.glob("*.mjs"), modules / "package.json", run.repository / "tests/bench/engines.mjs"]:
         shutil.copy(file, readers)
     installed = subprocess.run(["npm", "install", "--no-audit", "--no-fund", "--no-package-lock"], cwd=readers,

@@ -56,21 +56,6 @@ class CloudTableTest : public SqliteTest {
   std::optional<Connection> database_;
 };
 
-TEST_F(CloudTableTest, the_papers_statement_equals_brute_force) {
-  Random random;
-  for (int i = 0; i < 5; ++i) {
-    const auto [text, ray] = some_ray(random);
-    EXPECT_EQ(ids("points WHERE dist_ray(" + text + ", x, y, z) <= 2"),
-              expected([&](const glm::dvec3& point) { return project(ray, point).distance <= 2; }));
-    EXPECT_EQ(
-        ids("points WHERE dist_ray(" + text + ", x, y, z) <= 2 AND dist_plane(" + text + ", x, y, z) >= 0"),
-        expected([&](const glm::dvec3& point) {
-          const RayProjection at = project(ray, point);
-          return at.distance <= 2 && at.t >= 0;
-        }));
-  }
-}
-
 TEST_F(CloudTableTest, the_form_with_a_ray_equals_brute_force_on_100_rays) {
   Random random;
   std::size_t found = 0;

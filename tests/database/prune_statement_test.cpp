@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What limits are put into which statements, and why none into others.
-#include "database/sqlite/prepare.h"
+#include "database/sql/rewrite_statement.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "database/sqlite/sql_tokens.h"
+#include "database/sql/sql_tokens.h"
 
 namespace alidade::test {
 
@@ -142,11 +142,11 @@ TEST(PruneStatement, deep_parentheses_end_soon) {
 TEST(SqlTokens, are_those_of_sqlite) {
   const auto kinds = [](std::string_view sql) {
     std::string text;
-    for (const SqlToken& token : sql_tokens(sql)) {
+    const TokenList tokens(sql);
+    for (std::size_t i = 0; i < tokens.size(); ++i) {
       constexpr std::string_view k_letters = "wqtbnps!";
-      text += k_letters[static_cast<std::size_t>(token.kind)];
-      text += sql.substr(token.begin, token.end - token.begin);
-      text += ' ';
+      text += k_letters[static_cast<std::size_t>(tokens[i].kind)];
+      text += std::string(tokens.text(i)) + ' ';
     }
     return text;
   };

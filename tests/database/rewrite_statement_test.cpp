@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Plain SQL keeps the value of a distance and every row of the answer.
-#include "database/sqlite/rewrite_statement.h"
+#include "database/sql/rewrite_statement.h"
 
 #include <gtest/gtest.h>
 

@@ -60,6 +60,16 @@ class SqliteTest : public ::testing::Test {
     return cloud;
   }
 
+  /// Stores cloud files, with so many bytes of memory for points.
+  static StoredFiles store_files(const std::filesystem::path& database, const CloudInputs& inputs,
+                                 const ReadOptions& reading = {}, const StoreOptions& options = {},
+                                 std::uint64_t memory = std::uint64_t{1} << 30) {
+    check_store(database, options);
+    OrderedCloud cloud(database.parent_path(), inputs, reading, memory);
+    store_cloud(database, cloud, options);
+    return std::move(cloud).stored();
+  }
+
   /// The first column of all rows as text.
   static std::vector<std::string> rows(const Connection& connection, const std::string& sql) {
     Statement statement(connection.get(), sql);

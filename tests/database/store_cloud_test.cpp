@@ -236,7 +236,7 @@ TEST_F(StoreCloudTest, files_that_memory_does_not_hold_give_the_same_database) {
     for (const std::uint64_t memory :
          {std::uint64_t{20'000}, std::uint64_t{200'000}, std::uint64_t{1} << 30}) {
       arena.execute([&] {
-        const StoredFiles stored = store_files(other, files, {}, {.memory = memory});
+        const StoredFiles stored = store_files(other, files, {}, {}, memory);
         EXPECT_EQ(stored.point_count, cloud.size());
         EXPECT_EQ(stored.warnings, cloud.warnings);
       });
@@ -248,7 +248,7 @@ TEST_F(StoreCloudTest, files_that_memory_does_not_hold_give_the_same_database) {
 
 TEST_F(StoreCloudTest, the_reference_system_is_kept_as_it_came) {
   const CloudInputs files = site_files(folder_, site(10));
-  store_files(file_, CloudInputs{{files.inputs[0]}}, {});
+  store_files(file_, CloudInputs{{files.inputs[0]}});
   const Connection database(file_, Connection::Mode::read);
   const CloudSchema schema = read_cloud_schema(database.get(), "main", "points");
   const PointCloud cloud = read_cloud(files.first_name());
@@ -264,8 +264,9 @@ TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
   };
   int calls = 0, most = INT_MAX;
   const Progress watch = [&](std::uint64_t, std::uint64_t) { return ++calls < most; };
-  const StoreOptions options{.chunk_points = 64, .memory = 50'000, .progress = watch};
-  store_files(file_, files, {.progress = watch}, options);
+  constexpr std::uint64_t k_memory = 50'000;
+  const StoreOptions options{.chunk_points = 64, .progress = watch};
+  store_files(file_, files, {.progress = watch}, options, k_memory);
   const int all = calls;
   EXPECT_GT(all, 8);
   const std::string before = bytes(file_);
@@ -275,7 +276,7 @@ TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
     for (const bool is_new : {true, false}) {
       calls = 0;
       const std::filesystem::path target = is_new ? folder_ / "new.db" : file_;
-      EXPECT_THROW(store_files(target, files, {.progress = watch}, again), Cancelled);
+      EXPECT_THROW(store_files(target, files, {.progress = watch}, again, k_memory), Cancelled);
     }
     EXPECT_EQ(count_files(), 4) << "three clouds and a database";
     EXPECT_TRUE(bytes(file_) == before) << most;

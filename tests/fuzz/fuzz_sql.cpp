@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "base/error.h"
+#include "database/sql/rewrite_statement.h"
+#include "database/sql/sql_tokens.h"
 #include "database/sqlite/functions.h"
 #include "database/sqlite/prepare.h"
-#include "database/sqlite/rewrite_statement.h"
-#include "database/sqlite/sql_tokens.h"
 
 namespace {
 
@@ -73,7 +73,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string sql(reinterpret_cast<const char*>(data), size);
   const std::string_view whole(sql.c_str());
   std::size_t end = 0;
-  for (const SqlToken& token : sql_tokens(whole)) {
+  const TokenList tokens(whole);
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const SqlToken& token = tokens[i];
     if (token.begin < end || token.end <= token.begin || token.end > whole.size()) std::abort();
     end = token.end;
   }

@@ -72,7 +72,7 @@ TEST_F(CloudJobsTest, unknown_formats_name_those_that_are_known) {
   write("a.xyz", "0 0 0\n");
   EXPECT_NE(problem_of(request<jobs::ConvertRequest>({"a.xyz"}, "b.las.txt"))
                 .find("b.las.txt: unknown output format; expected the extension .las, .laz, .copc.laz, .ply, "
-                      ".csv, .xyz, .alidade or .parquet"),
+                      ".csv, .xyz or .alidade"),
             std::string::npos);
   EXPECT_NE(problem_of(request<jobs::IndexRequest>({"a.xyz"}, "b"))
                 .find("b: unknown output format; expected the extension .alidade"),

@@ -229,8 +229,6 @@ TEST_F(SqlJobTest, plans_reject_what_needs_no_point) {
     return error_of([&] { return jobs::plan(made); });
   };
   EXPECT_TRUE(planned("", {}, false).starts_with("missing cloud or database"));
-  EXPECT_NE(planned("postgresql://me@host/base", {}, false).find("not an SQLite file but a server"),
-            std::string::npos);
   EXPECT_NE(planned("none.db", {}, true).find("--partial does not apply to databases"), std::string::npos);
   EXPECT_EQ(planned(folder / "site.db", folder / "none.sql", false),
             (folder / "none.sql").string() + ": cannot read the file");
@@ -277,7 +275,7 @@ TEST_F(SqlJobTest, a_cloud_becomes_a_table_that_is_replaced_only_with_overwrite)
   EXPECT_EQ(error_of([&] { return run(plan(load), heard).point_count; }), "");
 }
 
-TEST_F(SqlJobTest, databases_with_names_of_clouds_or_two_tables_are_rejected) {
+TEST_F(SqlJobTest, databases_with_names_of_clouds_are_rejected) {
   jobs::LoadRequest load;
   load.files = clouds("site.db");
   const auto message = [&](const std::string& database) {
@@ -289,27 +287,6 @@ TEST_F(SqlJobTest, databases_with_names_of_clouds_or_two_tables_are_rejected) {
                                  ": the database name is that of a cloud file; expected the "
                                  "database as the last name, such as site.db");
   EXPECT_NE(message((folder / "site.db").string()).find("the output is also an input"), std::string::npos);
-  load.table = "more";
-  EXPECT_NE(message("postgresql://host/base?table=x").find("duplicate table name"), std::string::npos);
-  load.table = jobs::LoadRequest().table;
-  load.chunk_points = 7;
-  EXPECT_NE(message("postgresql://host/base?table=x").find("--chunk-points does not apply"),
-            std::string::npos);
-}
-
-TEST_F(SqlJobTest, shards_have_equal_parts_of_the_points) {
-  jobs::ShardPlanRequest shards;
-  shards.files = clouds("site.db");
-  shards.output = folder / "plan";
-  shards.shards = {database::parse_shard("a/base"), database::parse_shard("b:5433/base")};
-  EXPECT_EQ(run(plan(shards), heard).point_count, 400u);
-  EXPECT_TRUE(fs::exists(folder / "plan/shard_2.copy"));
-  ASSERT_EQ(heard.notes.size(), 1u);
-  EXPECT_TRUE(heard.notes[0].starts_with("planned 400 points for 2 shards in ")) << heard.notes[0];
-  EXPECT_NE(error_of([&] { return plan(shards); }).find("the folder exists"), std::string::npos);
-  shards.output = folder / "another";
-  shards.table = "";
-  EXPECT_THROW(plan(shards), Error);
 }
 
 TEST_F(SqlJobTest, statements_are_rewritten_within_bounds_of_numbers_or_a_cloud) {

@@ -23,7 +23,6 @@ RETURNS = {
     "sql": "Rows | list[Rows]",
     "sql load": "dict[str, Any]",
     "sql rewrite": "list[dict[str, Any]]",
-    "sql shard-plan": "dict[str, Any]",
     "visibility horizon": "Rows",
     "visibility lines": "Rows",
     "visibility points": "Points",

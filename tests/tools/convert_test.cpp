@@ -279,9 +279,6 @@ TEST_F(ConvertTest, wrong_options_are_errors_before_anything_is_read) {
   expect_error(with(words, {"--every", "0"}), "--every");
   expect_error(with(words, {"--spacing", "0"}), "expected a positive length, found '0'");
   expect_error(with(words, {"--spacing", "-1"}), "--spacing");
-  expect_error(with(words, {"--geometry"}),
-               "out.las: --geometry requires Parquet; expected the extension .parquet");
-  expect_error(with(words, {"--group-points", "2048"}), "out.las: --group-points requires Parquet");
   write("out.las", "precious");
   expect_error(words, "out.las: the file exists");
   EXPECT_EQ(read("out.las"), "precious");
@@ -297,7 +294,7 @@ TEST_F(ConvertTest, overwrite_replaces_and_a_failed_run_does_not) {
 
 TEST_F(ConvertTest, on_a_full_disk_nothing_is_left) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "20000", "-o", "survey.las", "-q"}).exit_code, 0);
-  for (const char* const output : {"out.las", "out.laz", "out.ply", "out.alidade", "out.parquet"}) {
+  for (const char* const output : {"out.las", "out.laz", "out.ply", "out.alidade"}) {
     const ProgramResult result = run_on_full_disk({"convert", "survey.las", "-o", output, "-q"}, 100000);
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_TRUE(contains(result.err, output)) << result.err;

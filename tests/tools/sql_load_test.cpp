@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "cloud/read_cloud.h"
-#include "database/sql_name.h"
+#include "database/sql/sql_tokens.h"
 #include "database/sqlite/connection.h"
 #include "tests/support/absent_data.h"
 #include "tests/tools/run_program.h"

@@ -19,7 +19,7 @@
 
 #include "base/error.h"
 #include "base/shown_text.h"
-#include "database/sqlite/sql_tokens.h"
+#include "database/sql/sql_tokens.h"
 #include "database/sqlite/sqlite_api.h"
 #include "jobs/sql/load.h"
 #include "jobs/sql/rewrite.h"
@@ -264,7 +264,7 @@ class Prompt {
       }
       typed_ += line + "\n";
       const bool is_in_comment = sqlite3_complete((typed_ + ";").c_str()) == 0;
-      if (database::sql_tokens(typed_).empty() && !is_in_comment) typed_.clear();
+      if (database::TokenList(typed_).size() == 0 && !is_in_comment) typed_.clear();
       if (sqlite3_complete(typed_.c_str()) != 0)
         run({std::exchange(typed_, {}), "statement"}, parameters_, show_);
     } catch (const Error& error) {
@@ -377,10 +377,7 @@ Command add_sql(const Options& program) {
   return {sql,
           run,
           {job_command(sql.command("load", "Store a cloud in a database"), jobs::add_load_fields),
-           add_rewrite(sql),
-           job_command(
-               sql.command("shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers"),
-               jobs::add_shard_plan_fields)}};
+           add_rewrite(sql)}};
 }
 
 }  // namespace alidade::tools
