@@ -6,9 +6,10 @@
 #include <array>
 #include <functional>
 #include <iterator>
-#include <ranges>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/error.h"
 #include "base/words.h"
@@ -506,10 +507,12 @@ const JsonForm<Scene>& scene_form() {
 
 std::string meaning_of(const std::string& key) {
   const Json* schema = &scene_form().schema;
-  for (const auto step : std::views::split(key, '/')) {
+  std::vector<std::string_view> steps;
+  split_cells(key, '/', steps);
+  for (const std::string_view step : steps) {
     // Of a value in several forms, the last one is the object.
     if (!schema->contains("properties")) schema = &schema->at("oneOf").back();
-    schema = &schema->at("properties").at(std::string(step.begin(), step.end()));
+    schema = &schema->at("properties").at(std::string(step));
   }
   return schema->at("description");
 }
