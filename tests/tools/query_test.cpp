@@ -145,10 +145,13 @@ TEST_F(QueryProgramTest, an_index_that_is_cut_below_the_program_ends_it_with_a_m
     const ProgramResult result = program.wait();
     EXPECT_EQ(result.exit_code, 2) << result.signal << " " << result.err;
     EXPECT_TRUE(contains(result.err,
-                         "cut.alidade: the file changed or its disk failed while it was read; read it "
-                         "again; expected "))
+                         "cut.alidade: the file became shorter, or its disk failed, while it was in use; "
+                         "expected "))
         << result.err;
     std::filesystem::remove(pipe);
+    // As after a killed process: no output, and what was begun of it stays until the next run.
+    ASSERT_TRUE(names().front().starts_with(".out.part-")) << names().front();
+    std::filesystem::remove(folder / names().front());
     EXPECT_EQ(names(), (Words{"cut.alidade", "rays.csv", "site.alidade", "site.las", "tiny.xyz"}));
   }
   ::signal(SIGPIPE, before);
