@@ -17,7 +17,7 @@ namespace alidade {
 ///
 /// If another program makes the file shorter, or its disk fails, there is nothing to be read any more. The
 /// first access to a missing page then says so on stderr and ends the process with exit code 2, so that
-/// nobody has to ask whether bytes are right. Outputs are not written; their temporary files stay, as those
+/// callers need no check of their own. Outputs are not written; their temporary files stay, as those
 /// of a killed process, until the next run removes them (base/output_file.h). Replacing the file by renaming,
 /// as OutputFile does, leaves its maps as they were.
 ///

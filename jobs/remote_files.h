@@ -30,7 +30,8 @@ void set_remote_access(const RemoteAccess& access);
 void add_remote_fields(const Fields& fields);
 RemoteTraffic remote_traffic();
 
-/// Who waits for remote files, and is told and asked. Functions that are missing do nothing, and say no.
+/// Callbacks to the program or to Python while remote files are read. A missing `note` is ignored; a missing
+/// `confirm` means no.
 struct RemoteUser {
   bool (*is_interrupted)() = nullptr;  ///< called while waiting, by any thread; returns whether to stop
   void (*note)(const std::string& text) = nullptr;

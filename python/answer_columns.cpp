@@ -42,7 +42,8 @@ std::optional<double> number_of(const Cell& cell) {
   return std::holds_alternative<std::monostate>(cell) ? std::optional(k_no_number) : std::nullopt;
 }
 
-/// The cell as a text, an empty one for no value; null: it is none, or one that arrays of NumPy would cut.
+/// The text of the cell, empty if it has no value; null if it is not text, or ends with a NUL, which arrays of
+/// NumPy cut off.
 const std::string* text_of_cell(const Cell& cell) {
   static const std::string none;
   if (std::holds_alternative<std::monostate>(cell)) return &none;

@@ -42,7 +42,7 @@ BlockHeader header_of(const std::string& key, std::span<const std::byte> block) 
   return header;
 }
 
-/// What stands behind the bytes of a whole file, from the beginning.
+/// Follows the bytes of a whole file: how much of it has been fetched.
 struct CopyState {
   std::array<char, 8> magic = {'A', 'L', 'W', 'H', 'O', 'L', 'E', '1'};
   std::uint64_t sum_of_key = 0, fetched = 0;
@@ -80,7 +80,7 @@ FileDescriptor open_block(const fs::path& path, int flags = O_RDONLY) {
   return file;
 }
 
-/// The state of a file with so many bytes of a copy; empty if it is none.
+/// The state that follows `bytes` bytes of a copy; empty if the file is not a copy.
 std::optional<CopyState> state_of(const FileDescriptor& file, std::uint64_t bytes) {
   CopyState state;
   if (file.read_at(bytes, std::as_writable_bytes(std::span(&state, 1))) != sizeof(state) ||
@@ -219,7 +219,7 @@ std::optional<KeptCopy> BlockFolder::copy_of(const std::string& key, std::uint64
   if (::flock(copy.file.number(), LOCK_EX | LOCK_NB) != 0 || ::fstat(copy.file.number(), &status) != 0 ||
       status.st_nlink == 0)
     return std::nullopt;
-  // Another process may have gone on with it meanwhile.
+  // Another process may have fetched more before the lock was taken.
   const std::optional<std::uint64_t> known = fetched(copy.file, key, bytes);
   copy.fetched = known.value_or(0);
   if (known) return copy;

@@ -45,8 +45,8 @@ class BlockFolder {
 
   /// How many of the bytes of a whole file are there. `key` names the file and its version.
   std::uint64_t fetched_of(const std::string& key, std::uint64_t bytes) const;
-  /// The copy of that file, begun if there is none. Empty if it would not stay, cannot be made, or another
-  /// process is fetching it.
+  /// Opens the copy of that file, or begins one. Empty if the copy would not fit, cannot be written, or is
+  /// being fetched by another process.
   std::optional<KeptCopy> copy_of(const std::string& key, std::uint64_t bytes);
   /// Adds the next bytes to a copy, on the disk. Errors: they cannot be written.
   void extend(KeptCopy& copy, const std::string& key, std::uint64_t bytes, std::span<const std::byte> next);
