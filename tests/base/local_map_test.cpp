@@ -92,6 +92,7 @@ TEST_F(LocalMapTest, of_a_file_that_was_replaced_stays_as_it_was) {
 
 TEST_F(LocalMapTest, a_map_that_is_gone_does_not_answer_for_its_addresses) {
   const auto read_another = [&] {
+    ::signal(SIGBUS, SIG_DFL);  // sanitizers have a handler of their own
     const std::byte* const address = open().bytes.data();
     const FileDescriptor file(path_.string(), O_RDONLY);
     const void* const other =
