@@ -21,7 +21,6 @@
 #include "jobs/visibility/row_output.h"
 #include "jobs/visibility/run_fingerprint.h"
 #include "octree/distance.h"
-#include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_report.h"
 #include "visibility/raster/curved_sight.h"
 #include "visibility/raster/ground.h"
@@ -29,7 +28,6 @@
 namespace alidade::jobs {
 namespace {
 
-constexpr double k_radio_factor = 4.0 / 3.0;
 /// For light, the default of maps.
 constexpr double k_light_factor = 1.0 / visibility::k_usual_curvature;
 
@@ -112,23 +110,11 @@ void add_pairs(const Fields& fields, PairRequest& request) {
                request.defaults.height, 0.0, 1e6);
 }
 
-void add_radio(const Fields& fields, LinesRequest& request) {
-  fields.group("Radio").value(
-      "--frequency", "F[GHz|MHz]",
-      "report the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
-      [&request](const std::string& text) {
-        request.frequency = visibility::parse_frequency(text);
-        if (!request.frequency)
-          throw UsageError("invalid value; expected 1MHz to 1000GHz, found '" + text + "'");
-      });
-}
-
 void add_bending(const Fields& fields, LinesRequest& request) {
   fields.group("Lines").value(
       "--earth-radius-factor", "K|off",
-      "bend lines for an Earth of K times its radius, which includes refraction (default: 1.3333 with "
-      "--frequency, otherwise 1.1667 if the unit of the cloud is known, --transparency is 1 and a line is "
-      "longer than half a kilometre, else off)",
+      "bend lines for an Earth of K times its radius, which includes refraction (default: 1.1667 if the unit "
+      "of the cloud is known, --transparency is 1 and a line is longer than half a kilometre, else off)",
       [&request](const std::string& text) {
         request.earth_factor.emplace();
         if (text != "off") *request.earth_factor = parse_number(text, 1e-3, 1e3);
@@ -172,10 +158,18 @@ LineSet load_lines(const PairRequest& request, const VisibilityCloud& cloud, Lis
   return lines;
 }
 
-/// Errors: more lines than fit into memory, each with all obstructions that it can have.
-void check_report_memory(const LineSet& lines, bool has_zones) {
+/// The measures that fields request.
+std::vector<const AddedLineMeasure*> requested_measures(const LinesRequest& request) {
+  std::vector<const AddedLineMeasure*> requested;
+  for (const auto& added : request.measures)
+    if (added->is_requested()) requested.push_back(added.get());
+  return requested;
+}
+
+/// Errors: more lines than fit into memory, with the largest results that measures can have.
+void check_report_memory(const LineSet& lines, std::span<const AddedLineMeasure* const> measures) {
   std::uint64_t bytes_per_line = sizeof(visibility::LinePair) + sizeof(visibility::LineReport);
-  if (has_zones) bytes_per_line += visibility::k_most_obstructions * sizeof(visibility::Obstruction);
+  for (const AddedLineMeasure* const added : measures) bytes_per_line += added->bytes_per_line();
   const std::uint64_t count = lines.ends.size();
   const std::uint64_t line_count = lines.are_pairs ? count / 2 : count * (count - 1) / 2;
   std::uint64_t bytes = 0;
@@ -237,36 +231,33 @@ bool is_bent(const LineSet& lines, double unit) {
 
 /// The factor of the Earth's radius that bends the lines; empty: the Earth is flat.
 std::optional<double> earth_factor(const LinesRequest& request, const VisibilityCloud& cloud,
-                                   const LineSet& lines) {
+                                   const LineSet& lines, std::span<const AddedLineMeasure* const> measures) {
   if (request.earth_factor) return *request.earth_factor;
-  if (request.frequency) return k_radio_factor;
+  if (!measures.empty()) return measures.front()->earth_factor();
   const std::optional<double> unit = known_unit(cloud);
   const bool is_opaque = request.occluders.options.transparency <= 1;
   return unit && is_opaque && is_bent(lines, *unit) ? std::optional(k_light_factor) : std::nullopt;
 }
 
 visibility::LineReportOptions report_options(const LinesRequest& request, const VisibilityCloud& cloud,
-                                             const LineSet& lines) {
+                                             const LineSet& lines,
+                                             std::span<const AddedLineMeasure* const> measures) {
   visibility::LineReportOptions options;
   options.line.end_margin = request.end_margin;
-  const std::optional<double> factor = earth_factor(request, cloud, lines);
-  if (!request.frequency && !factor) return options;
+  const std::optional<double> factor = earth_factor(request, cloud, lines, measures);
+  if (measures.empty() && !factor) return options;
   const double unit = unit_of(cloud, request.files.first_name());
   if (factor) options.line.earth_radius = *factor * geo::k_earth_radius / unit;
-  if (request.frequency) options.wavelength = visibility::k_speed_of_light / *request.frequency / unit;
+  for (const AddedLineMeasure* const added : measures) options.measures.push_back(added->measure(unit));
   return options;
 }
 
-/// How many of the lines are free.
-std::string result_text(const LinesRequest& request, const visibility::LineTable& table) {
+/// How many of the lines are free, and what measures remark.
+std::string result_text(const visibility::LineTable& table) {
   const auto visible =
       std::ranges::count_if(table.reports, [](const visibility::LineReport& line) { return !line.blocker; });
   std::string text = fmt::format("{} of {} lines are free", visible, table.reports.size());
-  if (request.frequency) {
-    const auto clear = std::ranges::count_if(
-        table.reports, [](const visibility::LineReport& line) { return line.fresnel->is_clear; });
-    text += fmt::format("; {} have the inner 60 % of their first Fresnel zone free", clear);
-  }
+  for (const auto& measure : table.measures) text += measure->remark();
   return text;
 }
 
@@ -304,7 +295,7 @@ void add_lines_fields(const Fields& fields, LinesRequest& request) {
                                "excluded length at either end, for scanned masts and tripods (default: 0)",
                                request.end_margin, 0.0, 1e9);
   add_bending(fields, request);
-  add_radio(fields, request);
+  for (const auto& added : request.measures) added->add_fields(fields);
   add_occluder_fields(fields, request.occluders);
   fields.required().file("-o,--output", "FILE", "output file: .csv, .json or .geojson", request.output);
   fields.flag("--overwrite", "replace an existing file", request.overwrite);
@@ -326,8 +317,9 @@ LinesResult run(const LinesPlan& plan, Listener& listener) {
   const LinesRequest& request = plan.request();
   auto cloud = load_cloud_alone(request, {}, AcceptedInput::points_or_raster, listener);
   const LineSet lines = load_lines(request.pairs, *cloud, listener);
-  check_report_memory(lines, request.frequency.has_value());
-  const visibility::LineReportOptions options = report_options(request, *cloud, lines);
+  const std::vector<const AddedLineMeasure*> measures = requested_measures(request);
+  check_report_memory(lines, measures);
+  const visibility::LineReportOptions options = report_options(request, *cloud, lines, measures);
   visibility::check_line_report(options, request.occluders.options.transparency);
   check_margin(lines, request.end_margin);
   measure_occluders(*cloud, request.occluders, listener);
@@ -335,6 +327,7 @@ LinesResult run(const LinesPlan& plan, Listener& listener) {
   visibility::LineTable table;
   table.pairs = pairs_of(lines, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
+  table.measures = options.measures;
   LongRun long_run(
       request.checkpoint, [&] { return fingerprint_of(request.checkpoint, *cloud, table.pairs); }, listener);
   table.reports =
@@ -346,7 +339,7 @@ LinesResult run(const LinesPlan& plan, Listener& listener) {
       request, cloud->cloud.cloud, [&](const auto&... to) { return visibility::write_lines(table, to...); },
       listener);
   long_run.finish();
-  if (listener.is_listening()) listener.note(result_text(request, table));
+  if (listener.is_listening()) listener.note(result_text(table));
   cloud->occluders.reset();  // they would need the listener
   return {std::move(cloud), std::move(table)};
 }

@@ -12,6 +12,6 @@ horizon = _job("visibility horizon", "Compute the horizon and sky-view factors a
 sky = _job("visibility sky", "Compute sky-view factors: alidade.Points, or an alidade.Map of the ground with a field of maps, such as `resolution`.")
 sun = _job("visibility sun", "Compute hours of direct sun and radiation: alidade.Points; with a field of maps a dict of alidade.Map; for observers "
            "alidade.Rows.")
-lines = _job("visibility lines", "Test lines of sight between pairs of positions, and their Fresnel zones: alidade.Rows, one per line.")
+lines = _job("visibility lines", "Test lines of sight between pairs of positions: alidade.Rows, one per line.")
 summary = _job("visibility summary", "Summarize what each observer sees: alidade.Rows, one per observer.")
 globals().update(_added_jobs(lambda command: command.startswith("visibility ")))

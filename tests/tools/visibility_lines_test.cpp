@@ -69,30 +69,6 @@ TEST_F(VisibilityLinesTest, pairs_are_given_by_names_or_by_coordinates) {
   EXPECT_EQ(rows_of(read("a.csv")).size(), 1u);
 }
 
-TEST_F(VisibilityLinesTest, a_frequency_adds_the_zone_and_json_what_obstructs_it) {
-  // The wall's top is at z = 2 and the zone of 8 m at 2.4 GHz half a metre wide: a tenth lies below its
-  // middle.
-  write("pairs.csv", "from_x,from_y,from_z,to_x,to_y,to_z\n-4,0,2,4,0,2\n-4,0,9,4,0,9\n");
-  ASSERT_EQ(lines({"--pairs", "pairs.csv", "--frequency", "2.4GHz", "--radius", "0.1", "-o", "links.json"})
-                .exit_code,
-            0);
-  const Json file = Json::parse(read("links.json"));
-  EXPECT_EQ(file["command"],
-            "alidade visibility lines site.csv --pairs pairs.csv --frequency 2.4GHz "
-            "--radius 0.1");
-  const Json& link = file["lines"][0];
-  EXPECT_NEAR(link["fresnel_radius"], 0.4998, 1e-3);
-  EXPECT_NEAR(link["fresnel_obstructed"], 0.61, 0.03);
-  EXPECT_EQ(link["fresnel_class"], 6);
-  EXPECT_EQ(link["obstructions"]["classes"][0]["class"], 6);
-  EXPECT_EQ(file["lines"][1]["fresnel_clear"], true);
-  EXPECT_EQ(file["lines"][1]["from"], "from 2");
-  ASSERT_EQ(lines({"--pairs", "pairs.csv", "--frequency", "2400MHz", "--radius", "0.1", "-o", "same.json"})
-                .exit_code,
-            0);
-  EXPECT_EQ(Json::parse(read("same.json"))["lines"], file["lines"]);
-}
-
 TEST_F(VisibilityLinesTest, geojson_of_a_cloud_without_reference_system_warns) {
   write("pairs.csv", "from_x,from_y,from_z,to_x,to_y,to_z\n-4,0,1,4,0,1\n");
   const ProgramResult result =
@@ -126,7 +102,7 @@ TEST_F(VisibilityLinesTest, transparency_sees_through_one_wall_and_occluders_are
 
 TEST_F(VisibilityLinesTest, results_do_not_depend_on_threads) {
   write("positions.csv", "x,y,z,name\n-4,0,1,a\n4,0,1,b\n-4,0,3,c\n3,2,2,d\n-1,-2,0.5,e\n");
-  const std::vector<std::string> words = {"--places", "positions.csv", "--frequency", "5.8"};
+  const std::vector<std::string> words = {"--places", "positions.csv"};
   for (const char* const threads : {"1", "3"}) {
     std::vector<std::string> with = words;
     with.insert(with.end(), {"--threads", threads, "-o", std::string("lines") + threads + ".json"});
@@ -158,9 +134,9 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_an_error) {
              "--places-crs requires --places");
   fails_with({"--places", "same.csv", "--pairs", "names.csv", "-o", "l.csv"},
              "same.csv: duplicate position 'west'; expected unique names");
-  fails_with({"--places", "positions.csv", "--frequency", "5kHz", "-o", "l.csv"}, "expected 1MHz to 1000GHz");
-  fails_with({"--places", "positions.csv", "--frequency", "5", "--transparency", "2", "-o", "l.csv"},
-             "transparency requires straight lines");
+  fails_with(
+      {"--places", "positions.csv", "--earth-radius-factor", "1", "--transparency", "2", "-o", "l.csv"},
+      "transparency requires straight lines");
   fails_with({"--places", "positions.csv", "--end-margin", "-1", "-o", "l.csv"}, "--end-margin");
   fails_with({"--places", "positions.csv", "--end-margin", "4", "-o", "l.csv"},
              "--end-margin exceeds the line from 'west' to 'east'; expected less than half of its length 8");
@@ -182,7 +158,8 @@ TEST_F(VisibilityLinesTest, wrong_positions_are_found_before_surfaces_are_measur
   write("names.csv", "from,to\nwest,north\n");
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"lines", "site.csv", "--places", "positions.csv", "--pairs", "names.csv"},
-        {"lines", "site.csv", "--places", "positions.csv", "--frequency", "5", "--transparency", "2"}}) {
+        {"lines", "site.csv", "--places", "positions.csv", "--earth-radius-factor", "1", "--transparency",
+         "2"}}) {
     std::vector<std::string> all = {"visibility"};
     all.insert(all.end(), words.begin(), words.end());
     all.insert(all.end(), {"-o", "out.csv"});
@@ -225,8 +202,8 @@ TEST_F(VisibilityLinesTest, two_outputs_of_one_name_are_rejected) {
 
 TEST_F(VisibilityLinesTest, ends_a_million_kilometres_away_take_no_time) {
   write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n1e6,0,1,far\n1e9,10,1e5,farther\n");
-  const ProgramResult result = lines(
-      {"--places", "positions.csv", "--frequency", "1", "--earth-radius-factor", "1", "-o", "lines.csv"});
+  const ProgramResult result =
+      lines({"--places", "positions.csv", "--earth-radius-factor", "1", "-o", "lines.csv"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(rows_of(read("lines.csv")).size(), 6u);
 }
@@ -270,7 +247,7 @@ TEST_F(VisibilityLinesTest, a_full_disk_is_an_error_that_leaves_nothing) {
 TEST_F(VisibilityLinesTest, help_gives_units_and_examples) {
   const ProgramResult result = run({"visibility", "lines", "--help"});
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* const part : {"metres", "GHz", "from_x", "Fresnel", "Examples:"})
+  for (const char* const part : {"metres", "from_x", "unscanned", "Examples:"})
     EXPECT_NE(result.out.find(part), std::string::npos) << part;
 }
 

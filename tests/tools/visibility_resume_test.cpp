@@ -103,15 +103,6 @@ TEST_F(ResumeTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
   EXPECT_TRUE(contains(same.err, "./out.las: two outputs have this name")) << same.err;
 }
 
-TEST_F(ResumeTest, lines_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {
-  std::string positions = "x,y,z\n";
-  for (int i = 0; i < 12; ++i)
-    positions += std::to_string(100.0 + 0.1 * i) + "," + std::to_string(200.0 + 0.07 * i) + ",5.3\n";
-  write("positions.csv", positions);
-  kill_and_resume({"visibility", "lines", "square.xyz", "--places", "positions.csv", "--frequency", "60GHz"},
-                  {"-o", "lines.json"}, 12);
-}
-
 // Maps, and answers about the sky and the sun.
 
 const Words k_raster = {"visibility", "raster", "yard.xyz", "--observer", "1.5,2.7,1.6", "--radius", "0.1"};

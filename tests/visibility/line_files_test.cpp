@@ -33,13 +33,13 @@ class LineFilesTest : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder); }
 
   /// A wall of class 6 at x = 30, and two lines: one against it, one over it.
-  LineTable table(const LineReportOptions& options = {}) {
+  LineTable table() {
     const Occluders occluders = WallCloud().add({30, -2, 0}, {0, 4, 0}, {0, 0, 2}, 0.1).occluders();
     classes.assign(occluders.octree().size(), 6);
     LineTable made;
     made.pairs = {{"mast, old", {{0, 0.03, 1.02}}, "the \"roof\"", {{100, 0.03, 1.02}}},
                   {"a", {{0, 0, 3}}, "b", {{100, 0, 3}}}};
-    made.reports = report_lines(occluders, made.pairs, options);
+    made.reports = report_lines(occluders, made.pairs, {});
     made.classifications = classes;
     return made;
   }
@@ -92,8 +92,8 @@ TEST_F(LineFilesTest, csv_has_a_header_and_a_row_per_line) {
   EXPECT_TRUE(rows[2].ends_with(",6")) << rows[2];
 }
 
-TEST_F(LineFilesTest, json_has_the_same_values_and_what_obstructs_the_zone) {
-  const LineTable lines = table({.wavelength = 0.125});
+TEST_F(LineFilesTest, json_has_the_same_values) {
+  const LineTable lines = table();
   const Json file = Json::parse(written(lines, RowForm::json));
   EXPECT_EQ(file["command"], "alidade x");
   EXPECT_EQ(file["cloud_files"], Json::array({"a.las"}));
@@ -104,13 +104,6 @@ TEST_F(LineFilesTest, json_has_the_same_values_and_what_obstructs_the_zone) {
   EXPECT_EQ(hidden["blocker"], lines.reports[0].blocker->point_id);
   EXPECT_EQ(hidden["blocker_class"], 6);
   EXPECT_NEAR(hidden["blocker_at"], 30.0, 1e-3);
-  EXPECT_EQ(hidden["fresnel_clear"], false);
-  EXPECT_EQ(hidden["fresnel_class"], 6);
-  EXPECT_EQ(hidden["fresnel_obstructed"], lines.reports[0].fresnel->obstructed);
-  EXPECT_EQ(hidden["obstructions"]["points"].size(), lines.reports[0].fresnel->obstructions.size());
-  EXPECT_EQ(hidden["obstructions"]["classes"].size(), 1u);
-  EXPECT_NEAR(hidden["obstructions"]["classes"][0]["share"], hidden["fresnel_obstructed"].get<double>(),
-              1e-9);
   EXPECT_EQ(file["lines"][1]["visible"], true);
   EXPECT_TRUE(file["lines"][1]["blocker"].is_null());
 }
@@ -171,20 +164,12 @@ TEST_F(LineFilesTest, an_existing_file_is_not_replaced_unasked) {
 TEST_F(LineFilesTest, a_mesh_has_a_position_but_neither_id_nor_class) {
   LineTable lines = table();
   lines.reports[0].blocker->point_id = k_mesh_blocker;
-  FresnelClearance& zone = lines.reports[0].fresnel.emplace();
-  zone.obstructions = {{k_mesh_blocker, 0.5}, {1, 0.25}};
   const Json hidden = Json::parse(written(lines, RowForm::json))["lines"][0];
   EXPECT_EQ(hidden["visible"], false);
   EXPECT_TRUE(hidden["blocker"].is_null());
   EXPECT_TRUE(hidden["blocker_class"].is_null());
   EXPECT_NEAR(hidden["blocker_at"], 30.0, 1e-3);
   EXPECT_NEAR(hidden["blocker_x"], 30.0, 1e-3);
-  EXPECT_EQ(hidden["fresnel_class"], 6);
-  EXPECT_EQ(hidden["fresnel_class_share"], 0.25);
-  EXPECT_TRUE(hidden["obstructions"]["points"][0]["point"].is_null());
-  EXPECT_TRUE(hidden["obstructions"]["points"][0]["class"].is_null());
-  EXPECT_EQ(hidden["obstructions"]["points"][1]["point"], 1);
-  lines.reports[0].fresnel.reset();
   EXPECT_NE(written(lines, RowForm::csv).find(",0,,,3"), std::string::npos) << written(lines, RowForm::csv);
 }
 

@@ -45,7 +45,6 @@ TEST(LineReport, a_line_over_the_wall_is_free_and_its_clearance_is_reported) {
   EXPECT_NEAR(line.nearest->distance, 0.5, 1e-9);
   EXPECT_NEAR(line.nearest->t, 30.0, 1e-9);
   EXPECT_EQ(line.nearest->position, cloud.positions()[line.nearest->point_id]);
-  EXPECT_FALSE(line.fresnel);
 }
 
 TEST(LineReport, points_beyond_the_ends_do_not_reduce_the_clearance) {
@@ -184,15 +183,12 @@ TEST(LineReport, is_the_same_on_one_thread) {
   std::vector<LinePair> pairs;
   for (int i = 0; i < 40; ++i)
     pairs.push_back({"", {{0, random.between(-2, 2), random.between(0, 3)}}, "", {{90, 0, 1.5}}});
-  const LineReportOptions options{.wavelength = 0.125};
-  const std::vector<LineReport> many = report_lines(occluders, pairs, options);
+  const std::vector<LineReport> many = report_lines(occluders, pairs, {});
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const std::vector<LineReport> single = report_lines(occluders, pairs, options);
+  const std::vector<LineReport> single = report_lines(occluders, pairs, {});
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     EXPECT_EQ(many[i].blocker, single[i].blocker);
     EXPECT_EQ(many[i].nearest->distance, single[i].nearest->distance);
-    EXPECT_EQ(many[i].fresnel->obstructed, single[i].fresnel->obstructed);
-    EXPECT_EQ(many[i].fresnel->cut_off, single[i].fresnel->cut_off);
   }
 }
 
@@ -203,10 +199,8 @@ TEST(LineReport, bad_options_are_errors) {
   EXPECT_THROW(report_one(occluders, from, to, {.line = {.end_margin = -1.0}}), Error);
   EXPECT_THROW(report_one(occluders, from, to, {.line = {.end_margin = nan}}), Error);
   EXPECT_THROW(report_one(occluders, from, to, {.line = {.earth_radius = 0.0}}), Error);
-  EXPECT_THROW(report_one(occluders, from, to, {.wavelength = 0.0}), Error);
   EXPECT_THROW(report_one(occluders, {{nan, 0, 0}}, to), Error);
   EXPECT_THROW(report_one(through, from, to, {.line = {.earth_radius = 1e7}}), Error);
-  EXPECT_NO_THROW(report_one(through, from, to, {.wavelength = 0.1}));
 }
 
 TEST(LineReport, stops_when_requested) {
@@ -216,18 +210,37 @@ TEST(LineReport, stops_when_requested) {
                Cancelled);
 }
 
+/// The length of a line, from one end to the other.
+class LengthMeasure : public LineMeasure {
+ public:
+  Measure begin(const Occluders&, const LineOptions&, std::size_t lines) override {
+    lengths.resize(lines);
+    return [](const SightEnd& from, const SightEnd& to, PartWriter& writer) {
+      writer.put(distance(from.position, to.position));
+    };
+  }
+  void take(std::size_t line, PartReader& reader) override { lengths[line] = reader.take<double>(); }
+  void add_columns(std::size_t, std::span<const std::uint8_t>, Row&) const override {}
+
+  std::vector<double> lengths;
+};
+
+TEST(LineReport, measures_have_a_result_for_every_line_in_order) {
+  const Occluders occluders = wall().occluders();
+  std::vector<LinePair> pairs;
+  for (int i = 0; i < 20; ++i) pairs.push_back({"", {{0, 0.1 * i, 1}}, "", {{90, 0, 1.5}}});
+  const auto one = std::make_shared<LengthMeasure>(), two = std::make_shared<LengthMeasure>();
+  const std::vector<LineReport> reports = report_lines(occluders, pairs, {.measures = {one, two}});
+  ASSERT_EQ(one->lengths.size(), pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_NEAR(one->lengths[i], reports[i].length, 1e-12);
+  EXPECT_EQ(two->lengths, one->lengths);
+}
+
 TEST(LineReport, comes_back_from_its_bytes) {
   LineReport report;
   report.length = 12.5;
   report.blocker = Blocker{3, {1, 2, 3}, 4.5};
   report.nearest = LinePoint{4, {5, 6, 7}, 8.5, 9.5};
-  FresnelClearance& zone = report.fresnel.emplace();
-  zone.radius = 0.5;
-  zone.worst_t = 2.5;
-  zone.is_clear = false;
-  zone.nearest = LinePoint{2, {1, 1, 1}, 1.0, 0.25};
-  zone.points = 17;
-  zone.obstructions = {{1, 0.5}, {2, 0.25}};
   PartWriter writer;
   put_report(report, writer);
   PartReader reader(writer.bytes(), "file", 0);
@@ -237,7 +250,6 @@ TEST(LineReport, comes_back_from_its_bytes) {
   put_report(back, again);
   EXPECT_EQ(again.bytes(), writer.bytes());
   EXPECT_EQ(back.blocker, report.blocker);
-  EXPECT_EQ(back.fresnel->obstructions[1].share, 0.25);
   // A cloud of four points has no point 4.
   PartReader small(writer.bytes(), "file", 0);
   EXPECT_THROW(take_report(small, 4), Error);

@@ -39,8 +39,7 @@ Command add_visibility(const Options& program) {
        job_command(
            named("sun", "Compute hours of direct sun and radiation on points, on the ground or at positions"),
            jobs::add_sun_fields),
-       job_command(named("lines", "Test lines of sight between pairs of positions, and their Fresnel zones"),
-                   jobs::add_lines_fields),
+       job_command(named("lines", "Test lines of sight between pairs of positions"), jobs::add_lines_fields),
        job_command(named("summary", "Summarize what each observer sees in one row"),
                    jobs::add_summary_fields)}};
 }

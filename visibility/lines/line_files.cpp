@@ -68,81 +68,10 @@ GivenPair read_row(const CsvTable& table) {
   return pair;
 }
 
-/// Null for a mesh.
-Row id_of(std::uint64_t blocker_id) {
-  return blocker_id == k_mesh_blocker ? Row() : Row(blocker_id);
-}
-
-Row class_of(const LineTable& table, std::uint64_t blocker_id) {
-  if (table.classifications.empty() || blocker_id == k_mesh_blocker) return nullptr;
-  return table.classifications[blocker_id];
-}
-
-/// A class and its share of a zone.
-struct ClassShare {
-  int number;
-  double share;
-};
-
-/// The largest first, then by number; without meshes; empty for a cloud without classes.
-std::vector<ClassShare> class_shares(const LineTable& table, const FresnelClearance& fresnel) {
-  std::array<double, 256> shares{};
-  for (const Obstruction& one : fresnel.obstructions) {
-    const Row number = class_of(table, one.point_id);
-    if (!number.is_null()) shares[number.get<std::size_t>()] += one.share;
-  }
-  std::vector<ClassShare> classes;
-  for (int number = 0; number < 256; ++number) {
-    const double share = shares[static_cast<std::size_t>(number)];
-    if (share > 0.0) classes.push_back({number, share});
-  }
-  std::ranges::stable_sort(classes, std::greater(), &ClassShare::share);
-  return classes;
-}
-
 void add_position(Row& row, const std::string& name, const glm::dvec3& position) {
   row[name + "_x"] = position.x;
   row[name + "_y"] = position.y;
   row[name + "_z"] = position.z;
-}
-
-/// Names `prefix` + at, point, class.
-void add_point(Row& row, const LineTable& table, const std::string& prefix,
-               const std::optional<LinePoint>& point) {
-  row[prefix + "_at"] = point ? Row(point->t) : Row();
-  row[prefix + "_point"] = point ? Row(point->point_id) : Row();
-  row[prefix + "_class"] = point ? class_of(table, point->point_id) : Row();
-}
-
-void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresnel) {
-  row["fresnel_radius"] = fresnel.radius;
-  row["fresnel_clear"] = fresnel.is_clear;
-  row["fresnel_obstructed"] = fresnel.obstructed;
-  row["fresnel_inner"] = fresnel.inner;
-  row["fresnel_worst"] = fresnel.worst;
-  row["fresnel_worst_at"] = fresnel.obstructions.empty() ? Row() : Row(fresnel.worst_t);
-  row["fresnel_cut_off"] = fresnel.cut_off;
-  const std::vector<ClassShare> classes = class_shares(table, fresnel);
-  row["fresnel_class"] = classes.empty() ? Row() : Row(classes.front().number);
-  row["fresnel_class_share"] = classes.empty() ? Row() : Row(classes.front().share);
-  row["fresnel_points"] = fresnel.points;
-  row["fresnel_nearest"] = fresnel.nearest ? Row(fresnel.nearest_share) : Row();
-  add_point(row, table, "fresnel_nearest", fresnel.nearest);
-}
-
-/// What obstructs the Fresnel zone of a line: `points` by their share of it, and `classes`; empty if it has
-/// no zone.
-Row line_obstructions(const LineTable& table, std::size_t line) {
-  const std::optional<FresnelClearance>& fresnel = table.reports[line].fresnel;
-  Row points = Row::array(), classes = Row::array();
-  if (fresnel) {
-    for (const Obstruction& one : fresnel->obstructions)
-      points.push_back(
-          {{"point", id_of(one.point_id)}, {"class", class_of(table, one.point_id)}, {"share", one.share}});
-    for (const ClassShare& one : class_shares(table, *fresnel))
-      classes.push_back({{"class", one.number}, {"share", one.share}});
-  }
-  return {{"points", points}, {"classes", classes}};
 }
 
 void write_csv(const LineTable& table, OutputFile& file) {
@@ -154,7 +83,7 @@ void write_json(const LineTable& table, const RowFileHead& head, OutputFile& fil
   JsonListWriter lines(file, members_of(head), "lines");
   for (std::size_t line = 0; line < table.pairs.size(); ++line) {
     Row row = line_row(table, line);
-    if (table.reports[line].fresnel) row["obstructions"] = line_obstructions(table, line);
+    for (const auto& measure : table.measures) measure->add_members(line, table.classifications, row);
     lines.add(row);
   }
   lines.finish();
@@ -215,14 +144,14 @@ Row line_row(const LineTable& table, std::size_t line) {
   row["visible"] = !report.blocker;
   if (!table.unscanned.empty()) row["unscanned"] = table.unscanned[line];
   const std::optional<Blocker>& blocker = report.blocker;
-  row["blocker"] = blocker ? id_of(blocker->point_id) : Row();
-  row["blocker_class"] = blocker ? class_of(table, blocker->point_id) : Row();
+  row["blocker"] = blocker ? id_value(blocker->point_id) : Row();
+  row["blocker_class"] = blocker ? class_value(table.classifications, blocker->point_id) : Row();
   row["blocker_at"] = blocker ? Row(blocker->distance) : Row();
   for (int axis = 0; axis < 3; ++axis)
     row[std::string("blocker_") + "xyz"[axis]] = blocker ? Row(blocker->position[axis]) : Row();
   row["clearance"] = report.nearest ? Row(report.nearest->distance) : Row();
-  add_point(row, table, "clearance", report.nearest);
-  if (report.fresnel) add_fresnel(row, table, *report.fresnel);
+  add_point(row, "clearance", report.nearest, table.classifications);
+  for (const auto& measure : table.measures) measure->add_columns(line, table.classifications, row);
   return row;
 }
 

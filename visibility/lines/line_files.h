@@ -33,6 +33,7 @@ struct LineTable {
   std::vector<LineReport> reports;                ///< one per pair
   std::span<const std::uint8_t> classifications;  ///< by point id; empty if the cloud has none
   std::vector<double> unscanned{};                ///< unscanned_length() of every pair; empty: no such column
+  LineMeasures measures{};                        ///< with the results of these lines
 };
 
 /// A line as a row of named values, in the order of the columns; null if a value does not apply. All rows of
@@ -42,8 +43,7 @@ Row line_row(const LineTable& table, std::size_t line);
 
 /// Writes the reports; the file is written completely or not at all.
 /// - CSV: a header and a row per line, with the columns of `alidade visibility lines --help`.
-/// - JSON: an object with the `lines`, each with the same names and, if there is a Fresnel
-///   zone, its `obstructions`.
+/// - JSON: an object with the `lines`, each with the same names and the members of its measures.
 /// - GeoJSON: a LineString per line, or two for one that is blocked: `visible` up to the blocker, the rest
 ///   not; the columns are the properties of both. Coordinates are longitude, latitude and the cloud's z;
 ///   without `to_lon_lat`, or if it returns nothing, those of the cloud, which maps cannot show: the

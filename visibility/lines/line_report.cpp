@@ -11,93 +11,8 @@
 namespace alidade::visibility {
 namespace {
 
-constexpr std::size_t k_obstruction_bytes = 16;
-
-// The values of a report are written to a part and read from it one after another: pass_...() visits them
-// with one of these classes, which writes or reads each.
-
-struct Putting {
-  PartWriter& writer;
-
-  template <class Number>
-  void number(Number value) {
-    writer.put(value);
-  }
-  void flag(bool value) { writer.put(std::uint8_t{value}); }
-  void id(std::uint64_t value) { writer.put(value); }
-  void blocker_id(std::uint64_t value) { writer.put(value); }
-  void length(const std::vector<Obstruction>& all) { writer.put(std::uint64_t{all.size()}); }
-  template <class Part>
-  bool has(const std::optional<Part>& part) {
-    flag(part.has_value());
-    return part.has_value();
-  }
-};
-
-struct Taking {
-  PartReader& reader;
-  std::uint64_t point_count;
-
-  template <class Number>
-  void number(Number& value) {
-    value = reader.take<Number>();
-  }
-  void flag(bool& value) { value = reader.take<std::uint8_t>() != 0; }
-  void id(std::uint64_t& value) {
-    number(value);
-    reader.require(value < point_count);
-  }
-  void blocker_id(std::uint64_t& value) {
-    number(value);
-    reader.require(value < point_count || value == k_mesh_blocker);
-  }
-  void length(std::vector<Obstruction>& all) { all.resize(reader.take_count(k_obstruction_bytes)); }
-  template <class Part>
-  bool has(std::optional<Part>& part) {
-    if (reader.take<std::uint8_t>() != 0) part.emplace();
-    return part.has_value();
-  }
-};
-
-void pass_position(auto& way, auto& position) {
-  for (int axis = 0; axis < 3; ++axis) way.number(position[axis]);
-}
-
-void pass_point(auto& way, auto& point) {
-  if (!way.has(point)) return;
-  way.id(point->point_id);
-  pass_position(way, point->position);
-  way.number(point->t);
-  way.number(point->distance);
-}
-
-void pass_fresnel(auto& way, auto& zone) {
-  for (auto* const number : {&zone.radius, &zone.obstructed, &zone.worst, &zone.worst_t, &zone.cut_off,
-                             &zone.inner, &zone.nearest_share})
-    way.number(*number);
-  way.flag(zone.is_clear);
-  pass_point(way, zone.nearest);
-  way.number(zone.points);
-  way.length(zone.obstructions);
-  for (auto& one : zone.obstructions) {
-    way.blocker_id(one.point_id);
-    way.number(one.share);
-  }
-}
-
-void pass_report(auto& way, auto& report) {
-  way.number(report.length);
-  if (way.has(report.blocker)) {
-    way.blocker_id(report.blocker->point_id);
-    pass_position(way, report.blocker->position);
-    way.number(report.blocker->distance);
-  }
-  pass_point(way, report.nearest);
-  if (way.has(report.fresnel)) pass_fresnel(way, *report.fresnel);
-}
-
-/// A pair with a Fresnel zone takes as long as many without.
-constexpr std::size_t k_pairs_at_once = 4096, k_links_at_once = 8;
+/// A pair that is measured takes as long as many that are not.
+constexpr std::size_t k_pairs_at_once = 4096, k_measured_at_once = 8;
 
 /// Finds what blocks the lines and what comes nearest to them, of pairs [begin, end).
 void report_middles(const Occluders& occluders, std::span<const LinePair> pairs, const LineOptions& options,
@@ -117,14 +32,26 @@ void report_middles(const Occluders& occluders, std::span<const LinePair> pairs,
 }  // namespace
 
 void put_report(const LineReport& report, PartWriter& writer) {
-  Putting way{writer};
-  pass_report(way, report);
+  writer.put(report.length);
+  writer.put(std::uint8_t{report.blocker.has_value()});
+  if (report.blocker) {
+    writer.put(report.blocker->point_id);
+    put_position(report.blocker->position, writer);
+    writer.put(report.blocker->distance);
+  }
+  put_point(report.nearest, writer);
 }
 
 LineReport take_report(PartReader& reader, std::uint64_t point_count) {
-  Taking way{reader, point_count};
   LineReport report;
-  pass_report(way, report);
+  report.length = reader.take<double>();
+  if (reader.take<std::uint8_t>() != 0) {
+    Blocker& blocker = report.blocker.emplace();
+    blocker.point_id = take_blocker_id(reader, point_count);
+    blocker.position = take_position(reader);
+    blocker.distance = reader.take<double>();
+  }
+  report.nearest = take_point(reader, point_count);
   return report;
 }
 
@@ -143,14 +70,11 @@ std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const
                                      const LineReportOptions& options, const Progress& progress,
                                      PartCheckpoint* parts) {
   check_line_report(options, occluders.options().transparency);
-  std::optional<Occluders> opaque;
-  if (options.wavelength) {
-    OccluderOptions solid = occluders.options();
-    solid.transparency = 1;
-    opaque.emplace(occluders.octree(), solid);
-  }
+  std::vector<LineMeasure::Measure> measures;
+  for (const auto& measure : options.measures)
+    measures.push_back(measure->begin(occluders, options.line, pairs.size()));
   std::vector<LineReport> reports(pairs.size());
-  const std::size_t at_once = opaque ? k_links_at_once : k_pairs_at_once;
+  const std::size_t at_once = measures.empty() ? k_pairs_at_once : k_measured_at_once;
   const auto part_of = [at_once](auto all, std::uint64_t part) {
     const std::size_t first = part * at_once;
     return all.subspan(first, std::min(at_once, all.size() - first));
@@ -164,17 +88,19 @@ std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const
         const std::span<LineReport> answers = part_of(std::span(reports), part);
         report_middles(occluders, some, options.line, answers);
         for (std::size_t i = 0; i < some.size(); ++i) {
-          if (opaque) {
-            answers[i].fresnel =
-                fresnel_clearance(*opaque, some[i].from, some[i].to, options.line, *options.wavelength);
-          }
           put_report(answers[i], writer);
+          writer.put(static_cast<std::uint8_t>(measures.size()));
+          for (const LineMeasure::Measure& measure : measures) measure(some[i].from, some[i].to, writer);
         }
       },
       [&](std::uint64_t part, PartReader& reader) {
-        const std::span<LineReport> answers = part_of(std::span(reports), part);
-        for (LineReport& answer : answers) answer = take_report(reader, occluders.octree().size());
-        report(progress, done += answers.size(), pairs.size());
+        for (LineReport& answer : part_of(std::span(reports), part)) {
+          answer = take_report(reader, occluders.octree().size());
+          reader.require(reader.take<std::uint8_t>() == measures.size());
+          for (const auto& measure : options.measures) measure->take(done, reader);
+          ++done;
+        }
+        report(progress, done, pairs.size());
       });
   return reports;
 }

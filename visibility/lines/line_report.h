@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,8 +10,8 @@
 
 #include "base/checkpoint.h"
 #include "base/progress.h"
-#include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_curve.h"
+#include "visibility/lines/line_measure.h"
 
 // Whether the ends of pairs see each other, and what is between them.
 //
@@ -33,12 +34,14 @@ struct LineReport {
   std::optional<Blocker> blocker{};
   /// The point nearest to the line (nearest_point()); empty if none lies beside it.
   std::optional<LinePoint> nearest{};
-  std::optional<FresnelClearance> fresnel{};  ///< if a wavelength was given
 };
+
+/// What is measured of lines beside that.
+using LineMeasures = std::vector<std::shared_ptr<LineMeasure>>;
 
 struct LineReportOptions {
   LineOptions line{};
-  std::optional<double> wavelength{};  ///< metres
+  LineMeasures measures{};
 };
 
 /// Checks the options of a report beforehand. Errors: margin negative or not finite; Earth radius not above
@@ -46,9 +49,9 @@ struct LineReportOptions {
 void check_line_report(const LineReportOptions& options, int transparency);
 
 /// Reports on every pair, in their order; the same on any number of threads. `progress` is in pairs. Cost:
-/// some microseconds per pair, and ten to fifty milliseconds with a wavelength. Errors: ends not finite;
-/// those of check_line_report() and of fresnel_clearance(), whose wavelength may come with a transparency.
-/// Finished pairs are kept in `parts` unless it is null.
+/// some microseconds per pair, and that of the measures, which hold their results afterwards. Errors: ends not
+/// finite; those of check_line_report() and of the measures. Finished pairs are kept in `parts` unless it is
+/// null.
 std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const LinePair> pairs,
                                      const LineReportOptions& options, const Progress& progress = {},
                                      PartCheckpoint* parts = nullptr);

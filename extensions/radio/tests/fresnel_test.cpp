@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/lines/fresnel.h"
+#include "extensions/radio/fresnel.h"
 
 #include <gtest/gtest.h>
 
