@@ -13,7 +13,6 @@ std::vector<AddedFormat>& formats() {
   static std::vector<AddedFormat> all = {{.facts = {"SQLite", "site.db?table=NAME", "3", "read, write",
                                                     "alidade sql load; chunks are read as needed"},
                                           .format = &database::k_sqlite_format,
-                                          .shown = [](const std::string& name) { return name; },
                                           .part_unit = "chunks",
                                           .has_parts = [](const std::string&) { return true; },
                                           .read_part = database::read_cloud_part}};
@@ -65,19 +64,18 @@ const CloudStore* store_of(const CloudStores& stores, const std::filesystem::pat
 
 const AddedFormat* server_of(const std::string& name) {
   const auto found = std::ranges::find_if(added_formats(), [&](const AddedFormat& added) {
-    return added.format != nullptr && added.format != &database::k_sqlite_format &&
-           added.format->is_named != nullptr && added.format->is_named(name);
+    return added.shown != nullptr && added.format->is_named(name);
   });
   return found == added_formats().end() ? nullptr : &*found;
 }
 
 bool is_in_database(const CloudInput& input) {
-  return format_of(input) != nullptr;
+  const AddedFormat* const added = format_of(input);
+  return added != nullptr && added->read_part != nullptr;
 }
 
 bool has_parts(const CloudInput& input) {
-  const AddedFormat* const added = format_of(input);
-  return added != nullptr && !input.is_changed() && added->has_parts(input.name.string()) &&
+  return is_in_database(input) && !input.is_changed() && format_of(input)->has_parts(input.name.string()) &&
          !input.changes_heights();
 }
 

@@ -53,7 +53,7 @@ class CloudStore {
 
 using CloudStores = std::vector<std::shared_ptr<CloudStore>>;
 
-/// A format of clouds that is not one of files.
+/// A format beside those of file_formats() and index files.
 struct AddedFormat {
   /// A line of 'alidade formats'.
   struct Facts {
@@ -63,11 +63,13 @@ struct AddedFormat {
 
   // Of a format that is read:
   const CloudFormat* format = nullptr;
-  /// A name that denotes one of its clouds, without what no message may repeat. Errors: it is invalid.
+  /// For clouds on servers: a name that denotes one of them, without what no message may repeat. Errors: it
+  /// is invalid.
   std::string (*shown)(const std::string& name) = nullptr;
+  // Of databases:
   const char* part_unit = "";  ///< of the progress of read_part()
   bool (*has_parts)(const std::string& name) = nullptr;
-  /// Reads those points that are needed: at least all for which a filter holds.
+  /// Reads those points that are needed: at least all for which a filter holds. Null: not a database.
   database::CloudPart (*read_part)(const std::string& name, std::span<const database::PointFilter> any_of,
                                    AttributeSet attributes, const Progress& progress) = nullptr;
 
@@ -90,10 +92,9 @@ CloudStores make_stores();
 /// The one of files, or of databases, that the output's name selects; null: none does.
 const CloudStore* store_of(const CloudStores& stores, const std::filesystem::path& output, bool is_file);
 
-/// The added format whose clouds have such names; null: it denotes a file or SQLite's cloud.
+/// The format of clouds on servers that have such names; null: it denotes a file or SQLite's cloud.
 const AddedFormat* server_of(const std::string& name);
 
-/// Whether a cloud is of an added format.
 bool is_in_database(const CloudInput& input);
 
 /// Whether a part of a cloud can be read from its database: 'alidade sql load' has stored it, and no field
