@@ -46,8 +46,7 @@ void permit_whole(const geo::WholeFetch& fetch) {
     user.note(
         fmt::format("{}: fetching the whole index file, {}, into {} ({}); of COPC files (.copc.laz) "
                     "queries fetch only what they need",
-                    name, size, fetch.folder.string(),
-                    fetch.is_kept ? "kept for the next time" : "--cache FOLDER keeps it for the next time"));
+                    name, size, fetch.folder.string(), fetch.keeping));
   if (is_large && (user.confirm == nullptr || !user.confirm(fmt::format("{}: fetch {}?", name, size))))
     throw file_error(fetch.name, "index files on the web are fetched whole, more than 1 GB only if you agree",
                      "--yes, or a COPC file, of which only what is needed is fetched",

@@ -175,17 +175,30 @@ void check_room(const WholeFetch& fetch) {
                    text(room) + " free");
 }
 
+WholeFetch into_temporary(const WantedFile& file) {
+  WholeFetch fetch{.name = file.name, .bytes = file.size, .folder = temporary_folder()};
+  fetch.keeping = file.key.empty() ? "not kept: only web servers that state its version allow that"
+                  : web().folder   ? "a larger --cache-size keeps it for the next time"
+                                   : "--cache FOLDER keeps it for the next time";
+  return fetch;
+}
+
 MappedBytes fetch_whole(const WantedFile& file, const Progress& progress) {
   constexpr std::uint64_t k_piece = std::uint64_t{8} << 20;
   BlockFolder* const folder = web().folder && !file.key.empty() ? &*web().folder : nullptr;
-  WholeFetch fetch{.name = file.name, .bytes = file.size, .folder = {}};
-  fetch.is_kept = folder != nullptr && folder->has_room(file.size, k_block);
-  if (fetch.is_kept) fetch.bytes -= folder->fetched_of(file.key, file.size);
-  fetch.folder = fetch.is_kept ? web().options.cache : temporary_folder();
+  WholeFetch fetch = into_temporary(file);
+  if (folder != nullptr && folder->has_room(file.size, k_block)) {
+    fetch.bytes -= folder->fetched_of(file.key, file.size);
+    fetch.folder = web().options.cache;
+    fetch.is_kept = true;
+    fetch.keeping = "kept for the next time";
+  }
   if (fetch.bytes > 0 && file.permit) file.permit(fetch);
   if (fetch.bytes > 0) check_room(fetch);
   std::optional<KeptCopy> kept;
   if (fetch.is_kept) kept = folder->copy_of(file.key, file.size);
+  // Another process may be fetching it into the cache.
+  if (fetch.is_kept && !kept) check_room(into_temporary(file));
   const auto scratch = kept ? nullptr : std::make_shared<ScratchFile>(temporary_folder());
   std::vector<std::byte> bytes;
   for (std::uint64_t done = kept ? kept->fetched : 0; done < file.size; done += bytes.size()) {

@@ -18,8 +18,9 @@ namespace alidade::geo {
 struct WholeFetch {
   std::string name;
   std::uint64_t bytes = 0;       ///< to be fetched: without those of an earlier run
-  bool is_kept = false;          ///< for later runs
   std::filesystem::path folder;  ///< where it will be
+  bool is_kept = false;          ///< for later runs
+  std::string keeping{};         ///< whether it is kept, or what would keep it, in words
 };
 
 struct RemoteOptions {

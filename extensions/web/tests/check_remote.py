@@ -75,7 +75,8 @@ class RemoteTest(RemoteCase):
 
     def test_the_size_of_an_index_file_is_said_before_it_is_fetched(self):
         address = self.server.address("good", "site.alidade")
-        for cache, kept in (((), "--cache FOLDER keeps it for the next time"), (("--cache", "said"), "kept for the next time")):
+        for cache, kept in (((), "--cache FOLDER keeps it for the next time"), (("--cache", "said"), "kept for the next time"),
+                            (("--cache", "small", "--cache-size", "20k"), "a larger --cache-size keeps it for the next time")):
             done = subprocess.run([PROGRAM, *self.words(address), *cache], cwd=self.folder, capture_output=True, text=True,
                                   timeout=120, check=True)
             self.assertRegex(done.stderr, re.escape(address) + r": fetching the whole index file, [0-9.]+ MB, into .* \(" +
