@@ -20,7 +20,10 @@ inline void add_mesh_field(const Fields& fields, const std::string& purpose, Fie
   fields.values("--mesh", "FILE",
                 "PLY or OBJ file of triangles in world coordinates, such as a planned building, " + purpose +
                     "; repeatable",
-                std::move(take));
+                [take = std::move(take)](const std::string& file) {
+                  check_mesh_name(file);
+                  take(file);
+                });
 }
 
 /// Reads a mesh as one stage; warns of what it warns of, and notes how large it is. Errors: as read_mesh().

@@ -13,6 +13,8 @@
 #include "base/shown_text.h"
 #include "cloud/cloud_reader.h"
 #include "jobs/outputs.h"
+#include "octree/index_file/index_file.h"
+#include "octree/index_file/index_header.h"
 
 namespace alidade::jobs {
 namespace {
@@ -47,6 +49,12 @@ void check_outputs(const PlannedWork& work, bool overwrite) {
   std::vector<std::filesystem::path> inputs = work.clouds.names();
   inputs.insert(inputs.end(), work.reads.begin(), work.reads.end());
   check_outputs(work.writes, overwrite, inputs);
+}
+
+std::optional<Organisation> stored_organisation(const CloudInputs& clouds) {
+  const CloudInput* const index = clouds.only(k_index_format);
+  if (index == nullptr || index->changes_heights()) return std::nullopt;
+  return IndexFile(index->file()).header().tree.organisation;
 }
 
 std::string text_of(const PlannedWork& work) {

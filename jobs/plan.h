@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "cloud/cloud_inputs.h"
+#include "octree/octree.h"
 
 namespace alidade::jobs {
 
@@ -28,6 +30,10 @@ void check_outputs(const PlannedWork& work, bool overwrite);
 /// The work in lines for people, such as "reads   site.las   1000000 points, 38 MB". Opens clouds to count
 /// their points. Errors: those of open_stored_cloud(), also damage without `partial`; a file that is missing.
 std::string text_of(const PlannedWork& work);
+
+/// How the points of the octree lie that is used as it is stored: that of a single index file. Empty: one is
+/// built. Opens the file.
+std::optional<Organisation> stored_organisation(const CloudInputs& clouds);
 
 /// A checked request. Only the plan() of the request makes one: what is made otherwise was not checked.
 template <class Request>

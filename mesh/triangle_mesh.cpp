@@ -71,11 +71,15 @@ std::uint64_t checksum(const TriangleMesh& mesh) {
   return checksum(std::as_bytes(std::span(sums)));
 }
 
+void check_mesh_name(const std::filesystem::path& file) {
+  if (!has_extension(file, {".ply", ".obj"}))
+    throw file_error(file, "unknown mesh format", "the extension .ply or .obj");
+}
+
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshPlacement& placement,
                        const Progress& progress) {
+  check_mesh_name(file);
   const bool is_ply = has_extension(file, {".ply"});
-  if (!is_ply && !has_extension(file, {".obj"}))
-    throw file_error(file, "unknown mesh format", "the extension .ply or .obj");
   InputFile input(file);
   std::uint64_t left_out = 0;
   TriangleMesh mesh =

@@ -40,6 +40,9 @@ struct MeshPlacement {
   bool operator==(const MeshPlacement&) const = default;
 };
 
+/// Errors: the name does not have the extension of a mesh.
+void check_mesh_name(const std::filesystem::path& file);
+
 /// Reads PLY (ascii and binary, faces with `vertex_indices` or `vertex_index`) or OBJ (v, f, and the diffuse
 /// colours Kd of its MTL files), by the name's extension. Polygons become fans around their first vertex, so
 /// they must be convex. Colours of vertices and of PLY faces are sRGB, Kd is linear. Vertices are doubles, in

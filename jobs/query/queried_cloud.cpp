@@ -192,10 +192,6 @@ IndexedCloud load_files(const CheckedQuery& query, const std::optional<Bounds>& 
   if (skipped_files > 0)
     listener.note(fmt::format("read {} of {} files: no target reaches the bounds of the others",
                               all_files - skipped_files, all_files));
-  if (query.max_level && cloud.octree.view().organisation != Organisation::layered) {
-    throw file_error(query.files.first_name(), "--max-level requires a layered index",
-                     "a layered index (alidade index --organisation layered)");
-  }
   return cloud;
 }
 

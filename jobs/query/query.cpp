@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "base/words.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/cloud_formats.h"
 #include "jobs/query/answers.h"
 #include "jobs/query/queried_cloud.h"
 #include "jobs/query/targets.h"
@@ -454,6 +455,14 @@ class QueryRun {
   QueryResult result_;
 };
 
+/// Memory for each point of the clouds, as measured; 0: only a part of them is held.
+double bytes_per_point(const CheckedQuery& query) {
+  if (queries_in_place(query) || std::ranges::any_of(query.files.inputs, is_in_database)) return 0.0;
+  const bool is_mapped = query.files.only(k_index_format) != nullptr;
+  if (query.form == AnswerForm::las) return is_mapped ? 10.0 : 39.0;
+  return is_mapped ? 6.0 : query.max_level ? 23.0 : 13.0;
+}
+
 }  // namespace
 
 void add_query_fields(const Fields& fields, QueryRequest& request) {
@@ -475,7 +484,9 @@ QueryPlan plan(const QueryRequest& given) {
   PlannedWork work{.clouds = query.files,
                    .partial = query.partial,
                    .reads = {query.given_targets().text},
-                   .writes = {query.output}};
+                   .writes = {query.output},
+                   .bytes_per_point = bytes_per_point(query),
+                   .bytes_beside = 25e6};
   with_geometry(query.family, [&]<class Target>(std::type_identity<Target>) {
     (void)conditions<Target>(query);
     check_outputs(work, query.overwrite);
@@ -484,6 +495,11 @@ QueryPlan plan(const QueryRequest& given) {
   if (query.memory && !queries_in_place(query))
     throw input_error("--memory requires a COPC query without --load",
                       "a single COPC file, or a catalog of such");
+  if (query.max_level &&
+      stored_organisation(query.files).value_or(Organisation::layered) != Organisation::layered) {
+    throw file_error(query.files.first_name(), "--max-level requires a layered index",
+                     "a layered index (alidade index --organisation layered)");
+  }
   return {std::move(query), std::move(work)};
 }
 

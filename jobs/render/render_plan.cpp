@@ -320,6 +320,12 @@ RenderPlan plan(const RenderRequest& given) {
     request.files = resolve_clouds(request.scene.cloud->files, cloud_formats());
     if (request.view.view) request.files = request.view.apply(std::move(request.files));
   }
+  if (request.scene.cloud && request.scene.cloud->max_level < renderer::k_max_level &&
+      stored_organisation(request.files) != Organisation::layered) {
+    request.files.check_files();
+    throw file_error(request.files.title(), "max_level requires a layered index",
+                     "an index file made with --organisation layered");
+  }
   RenderPlan plan(std::move(request), {});
   plan.frames = std::move(frames);
   plan.views = planned_views(plan.request(), plan.warnings);

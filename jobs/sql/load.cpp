@@ -8,6 +8,7 @@
 #include "base/words.h"
 #include "cloud/catalog.h"
 #include "database/sqlite/store_cloud.h"
+#include "database/sqlite/stored_cloud.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
@@ -37,12 +38,15 @@ StoreTarget target_of(const LoadRequest& request) {
   return {request.output, is_default ? "" : request.table, request.overwrite};
 }
 
-OpenStore open_sqlite(const LoadRequest& request) {
+database::StoreOptions sqlite_options(const LoadRequest& request) {
   database::StoreOptions options{.table = request.table, .replace = request.overwrite};
   options.chunk_points = request.chunk_points.value_or(options.chunk_points);
-  database::check_store(request.output, options);
-  return {request.output.parent_path(), [output = request.output, options](database::OrderedCloud& cloud,
-                                                                           const Progress& progress) mutable {
+  return options;
+}
+
+OpenStore open_sqlite(const LoadRequest& request) {
+  return {request.output.parent_path(), [output = request.output, options = sqlite_options(request)](
+                                            database::OrderedCloud& cloud, const Progress& progress) mutable {
             options.progress = progress;
             database::store_cloud(output, cloud, options);
           }};
@@ -102,9 +106,12 @@ LoadPlan plan(const LoadRequest& request) {
       throw file_error(database, "--chunk-points does not apply to servers", "no --chunk-points");
   } else {
     check_name(request.output);
+    if (database::k_sqlite_format.is_named(database))
+      throw file_error(database, "the database name has a table", "--table NAME behind the name of the file");
     // An existing database stays: `overwrite` replaces a table in it.
     if (!request.overwrite) check_links(request.output);
     check_writable(request.output, true, request.files.names());
+    database::check_store(request.output, sqlite_options(request));
   }
   return LoadPlan(request, {.clouds = request.files, .partial = request.partial, .writes = {database}});
 }

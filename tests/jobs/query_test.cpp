@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
 #include "octree/build.h"
 #include "octree/index_file/save_index.h"
@@ -231,6 +232,18 @@ TEST_F(QueryTest, levels_thin_the_cloud_and_are_made_for_it) {
           << error;
     }
   }
+}
+
+TEST_F(QueryTest, a_plan_states_the_memory_unless_only_a_part_of_the_cloud_is_held) {
+  const Words words = {"--point", "0,0,0", "--k", "1"};
+  const auto bytes_per_point = [&](const std::string& cloud) {
+    return plan(request(cloud, words)).work().bytes_per_point;
+  };
+  const PointCloud cloud = read_cloud(folder / "tiny.xyz");
+  write_las(folder / "tiny.las", cloud);
+  save_index(folder / "tiny.alidade", build(cloud), cloud);
+  EXPECT_EQ(bytes_per_point("tiny.las"), 13.0);
+  EXPECT_EQ(bytes_per_point("tiny.alidade"), 6.0);
 }
 
 TEST_F(QueryTest, work_is_counted_in_all_and_the_answers_are_the_same) {

@@ -269,8 +269,12 @@ TEST_F(SqlJobTest, a_cloud_becomes_a_table_that_is_replaced_only_with_overwrite)
       request("SELECT count(*) AS n FROM points; SELECT max(points) AS m FROM points_chunk");
   counted.cloud = load.output;
   EXPECT_EQ(text(counted), "n\n400\nm\n7\n");
-  EXPECT_NE(error_of([&] { return run(plan(load), heard).point_count; }).find("the table points exists"),
+  const auto planned = [&] { return plan(load).request().files.size(); };
+  EXPECT_NE(error_of(planned).find("the table points exists"), std::string::npos);
+  load.output += "?table=copy";
+  EXPECT_NE(error_of(planned).find("the database name has a table; expected --table NAME"),
             std::string::npos);
+  load.output = folder / "copy.db";
   load.overwrite = true;
   EXPECT_EQ(error_of([&] { return run(plan(load), heard).point_count; }), "");
 }
