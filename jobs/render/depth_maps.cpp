@@ -189,7 +189,7 @@ DepthPlan plan_depth_maps(const DepthRequest& request, const ViewsRequest& camer
     if (!map.file.empty() || !map.mask.empty()) plan.maps.push_back(map);
   }
   if (!request.transforms.empty()) {
-    if (!camera.is_set())
+    if (camera.file.empty() || !camera.names.empty())
       throw file_error(request.transforms, "--transforms-out requires all cameras of a transforms.json",
                        "--camera FILE without --camera-name");
     DepthTransforms transforms = read_depth_transforms(camera.file, request.transforms);

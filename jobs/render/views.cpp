@@ -124,9 +124,9 @@ std::string reason_of(std::vector<camera::NamedCamera> views, const Octree& octr
 void add_views_fields(const Fields& fields, ViewsRequest& request) {
   const Field camera = fields.file("--camera", "FILE|FOLDER",
                                    "cameras instead of the scene's: " + k_camera_files, request.file);
-  fields.needs(camera).value("--camera-name", "NAME",
-                             "one of the file's cameras, by the name of its photograph (default: all)",
-                             [&request](const std::string& name) { request.names = {name}; });
+  fields.needs(camera).text("--camera-name", "NAME",
+                            "only this camera, by the name of its photograph; repeatable (default: all)",
+                            request.names);
   add_camera_reading(fields.needs(camera), " (default: the scene's camera)", request);
   fields.number("--near", "METRES",
                 "do not show points nearer to the camera, such as the camera positions that some "

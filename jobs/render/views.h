@@ -32,7 +32,7 @@ struct ViewsRequest : CameraFileRequest {
   std::optional<double> near;                   ///< metres; empty: the camera's
 
   /// Whether the images are a numbered set, whose names are made from a pattern.
-  bool is_set() const { return !file.empty() && names.empty(); }
+  bool is_set() const { return !file.empty() && names.size() != 1; }
 };
 
 /// Declares the fields; they fill `request`.

@@ -91,7 +91,7 @@ def render(files: _Files | None = None, *, classes: _List | None = None, ignore_
            allow_host: str | Sequence[str] | None = None, cache_size: int | str | None = None, yes: bool = False,
            cloud: _Files | None = None, site: str | None = None, mesh: _Files | None = None, output: _File | None = None,
            in_view: bool = False, overwrite: bool = False, skip_existing: bool = False, camera: _File | None = None,
-           camera_name: str | None = None, lens: _File | None = None, original_world: bool = False,
+           camera_name: str | Sequence[str] | None = None, lens: _File | None = None, original_world: bool = False,
            near: float | None = None, panorama: str | ArrayLike | None = None, orthographic: str | None = None,
            size: str | Sequence[int] | None = None, resolution: float | None = None, extent: str | ArrayLike | None = None,
            orbit: bool = False, keyframes: _File | None = None, frames: int | None = None, frame_rate: int | None = None,

@@ -61,6 +61,14 @@ TEST_F(RenderCameraTest, one_camera_by_name_gives_the_image_it_has_in_the_set) {
   }
 }
 
+TEST_F(RenderCameraTest, several_cameras_by_name_are_rendered_in_their_order) {
+  ASSERT_EQ(
+      render({"--camera", "model", "--camera-name", "b", "--camera-name", "c", "-o", "%d.png"}).exit_code, 0);
+  EXPECT_EQ(names(), (std::vector<std::string>{"0.png", "1.png", "model", "square.xyz"}));
+  EXPECT_TRUE(contains(read("0.png"), "photos/b.jpg"));
+  EXPECT_TRUE(contains(read("1.png"), "c.jpg"));
+}
+
 TEST_F(RenderCameraTest, an_interrupted_set_resumes_where_it_ended) {
   ASSERT_EQ(render({"--camera", "model", "-o", "%d.png"}).exit_code, 0);
   const std::string first = read("0.png");
