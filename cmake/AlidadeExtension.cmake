@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Extensions: folders below extensions/, each with all of a feature that the core can do without. docs/architecture.md, "How to
-# add", says what such a folder contains.
+# Extensions: folders below extensions/, each with all of a feature that the core can do without. docs/architecture.md,
+# "Extensions", lists what such a folder contains.
 
 # The value "all" stands for all folders, so that removing a folder removes its extension.
 set(ALIDADE_EXTENSIONS all CACHE STRING "Extensions to build: a list of folders below extensions/, or all")
@@ -10,6 +10,7 @@ if(ALIDADE_EXTENSIONS STREQUAL "all")
   set(ALIDADE_BUILT_EXTENSIONS ${ALIDADE_ALL_EXTENSIONS})
 else()
   set(ALIDADE_BUILT_EXTENSIONS ${ALIDADE_EXTENSIONS})
+  list(REMOVE_DUPLICATES ALIDADE_BUILT_EXTENSIONS)
 endif()
 foreach(name IN LISTS ALIDADE_BUILT_EXTENSIONS)
   if(NOT name IN_LIST ALIDADE_ALL_EXTENSIONS)

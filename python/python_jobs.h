@@ -31,13 +31,13 @@ class JobRun {
   virtual py::object answer() = 0;
 };
 
-/// answer(plan, result) makes the answer.
+/// make(plan, result) makes the answer.
 template <class Request, class Answer>
 class RequestRun : public JobRun {
  public:
   using AddFields = void (*)(const jobs::Fields&, Request&);
 
-  RequestRun(AddFields add_fields, Answer answer) : add_fields_(add_fields), answer_(std::move(answer)) {
+  RequestRun(AddFields add, Answer make) : add_fields_(add), answer_(std::move(make)) {
     if constexpr (requires { request_.returns_films; }) request_.returns_films = true;
   }
 
