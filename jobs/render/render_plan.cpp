@@ -15,6 +15,7 @@
 #include "jobs/cloud_formats.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
+#include "mesh/triangle_mesh.h"
 #include "renderer/checkpoint.h"
 
 namespace alidade::jobs {
@@ -90,6 +91,10 @@ void complete_scene(RenderRequest& request) {
   if (!request.legend.empty() && cloud_settings(request, "--legend").color.by == image::PointColor::rgb)
     image::check_legend({.by = image::PointColor::rgb});
   if (scene.cloud) renderer::check_shape(*scene.cloud);
+  for (const renderer::Object& object : scene.objects) {
+    const auto* const model = std::get_if<renderer::Model>(&object);
+    if (model != nullptr && model->mesh) check_mesh_name(model->mesh->file);
+  }
   // Without points there is no extent to choose a distance by.
   if (request.adds_models && !scene.cloud && scene.render.mode == renderer::RenderMode::ambient_occlusion &&
       !scene.render.ao_distance)

@@ -272,6 +272,10 @@ SqlPlan plan(const SqlRequest& request) {
     throw file_error(server->shown(request.cloud.string()), "not an SQLite file but a server",
                      "an SQLite file or cloud files (for a server, use psql with the alidade_pg extension)");
   }
+  if (database::k_sqlite_format.is_named(request.cloud.string())) {
+    throw file_error(request.cloud, "the name of a cloud in a database",
+                     "the name of the file; statements name its tables");
+  }
   const bool is_database = names_database(request.cloud);
   if (is_database && request.partial)
     throw file_error(request.cloud, "--partial does not apply to databases", "no --partial");

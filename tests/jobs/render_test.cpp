@@ -233,6 +233,10 @@ TEST_F(RenderTest, a_plan_has_what_is_read_and_written) {
   EXPECT_EQ(without_none(jobs::plan(request).work().writes).front(), "site.tif");
   request.depth.file = "site.tif";
   EXPECT_THROW(jobs::plan(request), Error) << "the raster and the depth map are one file";
+  request = square("image.png");
+  request.scene.objects.emplace_back(
+      renderer::Model{.surfaces = {}, .mesh = renderer::MeshFile{"wall.las", {}}});
+  EXPECT_THROW(jobs::plan(request), Error) << "the mesh is of another format";
 
   request = square("image.png");
   request.skips_existing = true;

@@ -275,6 +275,10 @@ TEST_F(SqlJobTest, a_cloud_becomes_a_table_that_is_replaced_only_with_overwrite)
   EXPECT_NE(error_of(planned).find("the database name has a table; expected --table NAME"),
             std::string::npos);
   load.output = folder / "copy.db";
+  counted.cloud += "?table=points";
+  EXPECT_NE(
+      error_of([&] { return text(counted); }).find("the name of a cloud in a database; expected the name"),
+      std::string::npos);
   load.overwrite = true;
   EXPECT_EQ(error_of([&] { return run(plan(load), heard).point_count; }), "");
 }
