@@ -132,10 +132,9 @@ py::object answer_of(const jobs::SunPlan& plan, const jobs::SunResult& result) {
   const jobs::SunRequest& request = plan.request();
   if (request.has_observers())
     return rows_of(table_of(request, result).rows, result.crs, texts_of(result.metadata));
-  if (result.maps.empty())
-    return points_of(
-        columns_of_points(jobs::columns_of(request, result), result.radiation.size() / result.periods.size()),
-        {}, result.crs);
+  if (!result.grid)
+    return points_of(columns_of_points(jobs::columns_of(request, result), result.receivers()), {},
+                     result.crs);
   py::dict maps;
   for (jobs::SunBand& band : bands_of(request, result)) {
     for (float& value : band.values.values)

@@ -17,7 +17,6 @@
 #include "jobs/write_points.h"
 #include "visibility/horizon/skyline.h"
 #include "visibility/horizon/skyline_image.h"
-#include "visibility/sky/sky_of_cloud.h"
 #include "visibility/sky/sun_path.h"
 
 namespace alidade::jobs {
@@ -28,16 +27,26 @@ std::string name_of(const SunQuantity& quantity, const std::string& period) {
   return period.empty() ? quantity.name : fmt::format("{}_{}", quantity.name, period);
 }
 
+/// What is computed of receivers; `usual`: unless the request says more.
+std::unique_ptr<visibility::SunMeasure> measure_of(const SunRequest& request, const SunSky& sun,
+                                                   const visibility::Occluders& occluders,
+                                                   visibility::SkyReceiver usual, double cell) {
+  return sun.shine->measure(occluders, request.hours_options(usual), cell);
+}
+
 SunResult map_sun(const SunRequest& request, const SkySite& site, const SunSky& sun, LongRun& long_run,
                   std::string& range) {
   SunResult result;
   result.periods = sun.periods;
   result.crs = site.cloud->cloud.cloud.crs;
-  result.maps =
+  result.grid = site.grid;
+  const auto measure = measure_of(request, sun, *site.cloud->occluders, visibility::SkyReceiver::horizontal,
+                                  site.grid.cell_size);
+  result.per_period = measure->numbers();
+  result.numbers =
       long_run.work("testing the sun", "cells", [&](const Progress& progress, PartCheckpoint* parts) {
-        return visibility::ground_sun_hours(
-            *site.cloud->occluders, *site.ground, site.grid, request.map.target_height.value_or(0.0),
-            sun.light, request.hours_options(visibility::SkyReceiver::horizontal), {progress, parts});
+        return visibility::ground_sun(*site.cloud->occluders, *site.ground, site.grid,
+                                      request.map.target_height.value_or(0.0), *measure, {progress, parts});
       });
   std::vector<SunBand> values = bands_of(request, result);
   std::vector<SkyBand> bands;
@@ -50,8 +59,7 @@ SunResult map_sun(const SunRequest& request, const SkySite& site, const SunSky& 
       {.title = "Hours of direct sun",
        .values = {},
        .scale =
-           visibility::MapScale{
-               image::ColorMap::inferno, {0.0, std::max(sun.light.open.front().hours, 1.0)}, "hours"},
+           visibility::MapScale{image::ColorMap::inferno, {0.0, std::max(sun.first_hours, 1.0)}, "hours"},
        .notes = {sun.periods.front().empty()
                      ? fmt::format("{} to {}", date_time_text(schedule.from), date_time_text(schedule.to))
                      : sun.periods.front()}});
@@ -64,19 +72,22 @@ SunResult point_sun(const SunRequest& request, const VisibilityCloud& cloud, con
   result.periods = sun.periods;
   result.crs = cloud.cloud.cloud.crs;
   result.metadata = sun_metadata(request, sun);
-  result.radiation =
+  const auto measure = measure_of(request, sun, *cloud.occluders, visibility::SkyReceiver::surface, 0.0);
+  result.per_period = measure->numbers();
+  result.numbers =
       long_run.work("testing the sun", "points", [&](const Progress& progress, PartCheckpoint* parts) {
-        return visibility::point_sun_hours(*cloud.occluders, cloud.columns.normals, sun.light,
-                                           request.hours_options(visibility::SkyReceiver::surface),
-                                           {progress, parts});
+        return visibility::point_sun(*cloud.occluders, cloud.columns.normals, *measure, {progress, parts});
       });
   if (!request.output.empty())
     write_points(request.output, cloud.cloud, columns_of(request, result), request.overwrite, request.memory,
                  listener);
-  const std::size_t periods = sun.periods.size();
-  range = range_and_mean([&](std::size_t id) { return result.radiation[id * periods].hours; },
-                         result.radiation.size() / periods);
+  range = range_and_mean([&](std::size_t id) { return *result.of(id, 0); }, result.receivers());
   return result;
+}
+
+/// Empty: nothing is.
+std::filesystem::path read_by_measure(const SunRequest& request) {
+  return request.measures.empty() ? std::filesystem::path() : request.measures.front()->input();
 }
 
 /// What is read and written for observers. Errors that need no cloud.
@@ -91,7 +102,7 @@ PlannedWork plan_observers(const SunRequest& request) {
   if (!request.output.empty()) load_row_writer(request.output);
   if (!request.diagram.empty() && !has_extension(request.diagram, {".png"}))
     throw file_error(request.diagram, "unknown output format", "the extension .png");
-  PlannedWork work = request.work({request.observers.file, request.weather}, {request.diagram});
+  PlannedWork work = request.work({request.observers.file, read_by_measure(request)}, {request.diagram});
   check_outputs(work, request.overwrite);
   if (!request.diagram.empty()) image::load_library();
   check_given(request.observers);
@@ -135,8 +146,8 @@ SunResult run_observers(const SunRequest& request, Listener& listener) {
   if (!request.diagram.empty() && observers.size() != 1)
     throw input_error("--diagram requires a single observer", "one observer",
                       std::to_string(observers.size()));
-  const std::unique_ptr<SunSky> sun = sun_of(request, *cloud, listener, observers.size());
-  say_sun(request, *sun, listener);
+  const SunSky sun = sun_of(request, *cloud, listener, observers.size());
+  say_sun(sun, listener);
   measure_occluders(*cloud, request.occluders, listener);
   say_observer_remarks(observers, *cloud, listener);
   std::vector<visibility::SkyTarget> targets;
@@ -144,12 +155,13 @@ SunResult run_observers(const SunRequest& request, Listener& listener) {
     targets.push_back(
         visibility::target_in_open(visibility::end_near_surface(*cloud->occluders, observer.position)));
   SunResult result;
-  result.periods = sun->periods;
+  result.periods = sun.periods;
   result.crs = cloud->cloud.cloud.crs;
-  result.metadata = sun_metadata(request, *sun);
-  result.radiation.resize(targets.size() * sun->periods.size());
-  visibility::sun_hours(*cloud->occluders, targets, sun->light,
-                        request.hours_options(visibility::SkyReceiver::horizontal), result.radiation);
+  result.metadata = sun_metadata(request, sun);
+  const auto measure = measure_of(request, sun, *cloud->occluders, visibility::SkyReceiver::horizontal, 0.0);
+  result.per_period = measure->numbers();
+  result.numbers.resize(targets.size() * result.periods.size() * result.per_period);
+  measure->answer(targets, {}, result.numbers);
   result.observers = std::move(observers);
   visibility::Row members = visibility::Row::object();
   for (const auto& [key, text] : result.metadata) members[key] = text;
@@ -159,9 +171,10 @@ SunResult run_observers(const SunRequest& request, Listener& listener) {
         return visibility::write_positions(table_of(request, result), members, to...);
       },
       listener);
-  if (!request.diagram.empty()) write_diagram(request, *cloud, *sun, result.observers.front(), listener);
+  if (!request.diagram.empty()) write_diagram(request, *cloud, sun, result.observers.front(), listener);
   if (!request.output.empty())
-    listener.note(fmt::format("wrote {} rows to {}", result.radiation.size(), request.output.string()));
+    listener.note(fmt::format("wrote {} rows to {}", result.receivers() * result.periods.size(),
+                              request.output.string()));
   return result;
 }
 
@@ -169,30 +182,28 @@ SunResult run_observers(const SunRequest& request, Listener& listener) {
 
 std::vector<SunBand> bands_of(const SunRequest& request, const SunResult& result) {
   std::vector<SunBand> bands;
-  for (std::size_t period = 0; period < result.maps.size(); ++period) {
-    const geo::Raster<visibility::Radiation>& map = result.maps[period];
+  if (!result.grid) return bands;
+  for (std::size_t period = 0; period < result.periods.size(); ++period) {
     for (const SunQuantity& quantity : sun_quantities(request)) {
       bands.push_back({name_of(quantity, result.periods[period]), quantity.unit,
-                       geo::Raster<float>(map.grid, std::numeric_limits<float>::quiet_NaN())});
-      std::ranges::transform(map.values, bands.back().values.values.begin(),
-                             [&](const visibility::Radiation& one) {
-                               return std::isnan(one.hours) ? one.hours : quantity.value(one);
-                             });
+                       geo::Raster<float>(*result.grid, std::numeric_limits<float>::quiet_NaN())});
+      HugeVector<float>& values = bands.back().values.values;
+      for (std::size_t cell = 0; cell < values.size(); ++cell) {
+        const float* const numbers = result.of(cell, period);
+        if (!std::isnan(*numbers)) values[cell] = quantity.value(numbers);
+      }
     }
   }
   return bands;
 }
 
 std::vector<ResultColumn> columns_of(const SunRequest& request, const SunResult& result) {
-  const std::size_t periods = result.periods.size();
   std::vector<ResultColumn> columns;
-  for (std::size_t period = 0; period < periods; ++period) {
+  for (std::size_t period = 0; period < result.periods.size(); ++period) {
     for (const SunQuantity& quantity : sun_quantities(request)) {
-      columns.push_back(result_column<float>(name_of(quantity, result.periods[period]), quantity.text,
-                                             ScalarType::float32,
-                                             [&result, &quantity, period, periods](std::size_t id) {
-                                               return quantity.value(result.radiation[id * periods + period]);
-                                             }));
+      columns.push_back(result_column<float>(
+          name_of(quantity, result.periods[period]), quantity.text, ScalarType::float32,
+          [&result, &quantity, period](std::size_t id) { return quantity.value(result.of(id, period)); }));
     }
   }
   return columns;
@@ -200,16 +211,15 @@ std::vector<ResultColumn> columns_of(const SunRequest& request, const SunResult&
 
 visibility::PositionTable table_of(const SunRequest& request, const SunResult& result) {
   visibility::PositionTable table{.list = "observers", .rows = {}, .positions = {}};
-  std::size_t next = 0;
-  for (const visibility::Observer& observer : result.observers) {
-    for (const std::string& period : result.periods) {
-      const glm::dvec3& position = observer.position;
+  for (std::size_t i = 0; i < result.observers.size(); ++i) {
+    const glm::dvec3& position = result.observers[i].position;
+    for (std::size_t period = 0; period < result.periods.size(); ++period) {
       visibility::Row row{
-          {"observer", observer.name}, {"x", position.x}, {"y", position.y}, {"z", position.z}};
-      if (!period.empty()) row["period"] = period;
-      const visibility::Radiation& answer = result.radiation[next++];
+          {"observer", result.observers[i].name}, {"x", position.x}, {"y", position.y}, {"z", position.z}};
+      if (!result.periods[period].empty()) row["period"] = result.periods[period];
       for (const SunQuantity& quantity : sun_quantities(request))
-        row[quantity.name] = std::round(1e4 * static_cast<double>(quantity.value(answer))) / 1e4;
+        row[quantity.name] =
+            std::round(1e4 * static_cast<double>(quantity.value(result.of(i, period)))) / 1e4;
       table.rows.push_back(std::move(row));
       table.positions.push_back(position);
     }
@@ -218,31 +228,30 @@ visibility::PositionTable table_of(const SunRequest& request, const SunResult& r
 }
 
 SunPlan plan(const SunRequest& request) {
-  if (request.beam_only && request.bounces > 0)
-    throw input_error("--bounces 1 does not apply with --beam-only", "one of the two");
+  if (!request.measures.empty()) request.measures.front()->check();
   if (request.has_observers()) return SunPlan(request, plan_observers(request));
   if (!request.diagram.empty()) throw input_error("--diagram requires an observer", "--observer X,Y,Z");
-  return SunPlan(request, plan_sky_site(request, {request.weather}));
+  return SunPlan(request, plan_sky_site(request, {read_by_measure(request)}));
 }
 
 SunResult run(const SunPlan& plan, Listener& listener) {
   const SunRequest& request = plan.request();
   if (request.has_observers()) return run_observers(request, listener);
   const SkySite site = load_sky_site(request, static_cast<int>(sun_quantities(request).size()), listener);
-  const std::unique_ptr<SunSky> sun = sun_of(request, *site.cloud, listener);
-  say_sun(request, *sun, listener);
+  const SunSky sun = sun_of(request, *site.cloud, listener);
+  say_sun(sun, listener);
   LongRun long_run(
       request.checkpoint,
       [&] {
         Fingerprint fingerprint = sky_fingerprint(request, site);
-        add_to_fingerprint(*sun, fingerprint);
+        add_to_fingerprint(sun, fingerprint);
         return fingerprint;
       },
       listener);
   measure_occluders(*site.cloud, request.occluders, listener);
   std::string range;
-  SunResult result = request.is_map() ? map_sun(request, site, *sun, long_run, range)
-                                      : point_sun(request, *site.cloud, *sun, long_run, range, listener);
+  SunResult result = request.is_map() ? map_sun(request, site, sun, long_run, range)
+                                      : point_sun(request, *site.cloud, sun, long_run, range, listener);
   long_run.finish();
   listener.note(fmt::format("hours of sun {}{}", range, wrote_text(request)));
   return result;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <glm/vec2.hpp>
@@ -18,11 +17,10 @@
 #include "jobs/visibility/map_request.h"
 #include "jobs/visibility/observer_request.h"
 #include "jobs/visibility/sky_site.h"
+#include "jobs/visibility/sun_measure.h"
 #include "jobs/visibility/visibility_cloud.h"
 #include "visibility/sky/sun_hours.h"
-#include "visibility/sky/sun_light.h"
 #include "visibility/sky/sun_path.h"
-#include "visibility/sky/weather.h"
 
 // The request of the job on the sun, and the path and light of the sun that it describes.
 
@@ -34,20 +32,15 @@ struct SunDate {
   bool is_day = false;
 };
 
-/// Hours of direct sun and radiation of points, of the ground, or at observers.
+/// Hours of direct sun of points, of the ground, or at observers, with what an extension adds to them.
 struct SunRequest : SkySiteRequest {
   std::optional<SunDate> from, to;
   double step_minutes = 10.0;
   std::optional<glm::dvec2> location;  ///< latitude, longitude
-  visibility::ClearAir air;
-  std::optional<std::array<double, 12>> monthly_turbidity;
-  std::filesystem::path weather;  ///< empty: a clear sky
   visibility::SunPeriod period = visibility::SunPeriod::whole;
-  std::optional<double> bin;  ///< degrees; 0: none; empty: by the number of steps
-  bool beam_only = false;
+  std::optional<double> bin;           ///< degrees; 0: none; empty: by the number of steps
   std::optional<double> tilt, aspect;  ///< degrees
-  double albedo = 0.2;
-  int bounces = 0;
+  Additions<AddedSunMeasure> measures = make_additions<AddedSunMeasure>();  ///< the first is used
   ObserverRequest observers;
   std::filesystem::path diagram;  ///< empty: none
 
@@ -57,16 +50,17 @@ struct SunRequest : SkySiteRequest {
   visibility::SunHoursOptions hours_options(visibility::SkyReceiver usual) const;
 };
 
-/// The steps and light of the sun, and their sources.
+/// The path of the sun, and what shines along it.
 struct SunSky {
   visibility::SunSchedule schedule;
-  std::optional<visibility::Weather> weather;
   bool is_map_known = false;
-  double hours = 0.0;     ///< with the sun above the horizon
-  std::size_t steps = 0;  ///< with the sun above the horizon
-  double bin = 0.0;       ///< degrees
+  double hours = 0.0;        ///< with the sun above the horizon
+  double first_hours = 0.0;  ///< of these those of the first period
+  std::size_t steps = 0;     ///< with the sun above the horizon
+  double bin = 0.0;          ///< degrees
+  bool by_horizons = false;
   std::vector<std::string> periods;
-  visibility::SunLight light;
+  std::unique_ptr<SunShine> shine;
 };
 
 /// Declares all fields.
@@ -74,26 +68,18 @@ void add_sun_fields(const Fields& fields, SunRequest& request);
 
 /// The sun over a site, as one stage. `targets`: the number of receivers, if they are few: every step is
 /// then computed exactly, without bins, up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(),
-/// sun_periods(), Weather.
-std::unique_ptr<SunSky> sun_of(const SunRequest& request, const VisibilityCloud& cloud, Listener& listener,
-                               std::optional<std::size_t> targets = {});
+/// sun_periods(), and those of the measure.
+SunSky sun_of(const SunRequest& request, const VisibilityCloud& cloud, Listener& listener,
+              std::optional<std::size_t> targets = {});
 
-/// Notes where and how long the sun is up, and the energy on open ground; warns of what is unusual.
-void say_sun(const SunRequest& request, const SunSky& sun, Listener& listener);
+/// Notes where and how long the sun is up, and what shines; warns of what is unusual.
+void say_sun(const SunSky& sun, Listener& listener);
 
 /// The settings and steps of the sun, for the metadata of a map.
 MapMetadata sun_metadata(const SunRequest& request, const SunSky& sun);
 
 /// Adds what answers depend on beside the site.
 void add_to_fingerprint(const SunSky& sun, Fingerprint& fingerprint);
-
-/// A number of a radiation that goes into files.
-struct SunQuantity {
-  const char* name;
-  const char* unit;
-  const char* text;
-  float (*value)(const visibility::Radiation& radiation);
-};
 
 /// The quantities that the job writes.
 std::span<const SunQuantity> sun_quantities(const SunRequest& request);

@@ -10,7 +10,7 @@ raster = _job("visibility raster", "Compute a viewshed of the ground, or of obje
 points = _job("visibility points", "Compute the visibility of every point, and what blocks it: alidade.Points, with rows of observers.")
 horizon = _job("visibility horizon", "Compute the horizon and sky-view factors at one position: alidade.Rows, one per azimuth.")
 sky = _job("visibility sky", "Compute sky-view factors: alidade.Points, or an alidade.Map of the ground with a field of maps, such as `resolution`.")
-sun = _job("visibility sun", "Compute hours of direct sun and radiation: alidade.Points; with a field of maps a dict of alidade.Map; for observers "
+sun = _job("visibility sun", "Compute hours of direct sun: alidade.Points; with a field of maps a dict of alidade.Map; for observers "
            "alidade.Rows.")
 lines = _job("visibility lines", "Test lines of sight between pairs of positions: alidade.Rows, one per line.")
 summary = _job("visibility summary", "Summarize what each observer sees: alidade.Rows, one per observer.")

@@ -47,7 +47,6 @@ class SkyJobTest : public ::testing::Test {
     made.to = {parse_date_time("2026-06-21T12:00Z")};
     made.step_minutes = 60.0;
     made.location = {48.0, 11.0};
-    made.beam_only = true;
     return made;
   }
 
@@ -86,14 +85,14 @@ TEST_F(SkyJobTest, without_an_output_nothing_is_written) {
   sun.output.clear();
   sky.directions = 8;
   EXPECT_EQ(std::get<std::vector<float>>(run(jobs::plan(sky), heard).views).size(), garden(k_metres).size());
-  EXPECT_EQ(run(jobs::plan(sun), heard).radiation.size(), garden(k_metres).size());
+  EXPECT_EQ(run(jobs::plan(sun), heard).numbers.size(), garden(k_metres).size());
   sky.map.resolution = 4.0;
   sun.map.resolution = 4.0;
   EXPECT_GT(map_of(run(jobs::plan(sky), heard)).values.size(), 0u);
-  EXPECT_EQ(run(jobs::plan(sun), heard).maps.size(), 1u);
+  EXPECT_TRUE(run(jobs::plan(sun), heard).grid);
   sun.map.resolution.reset();
   sun.observers.positions = {visibility::parse_observer("690005,5325010,601")};
-  EXPECT_EQ(run(jobs::plan(sun), heard).radiation.size(), 1u);
+  EXPECT_EQ(run(jobs::plan(sun), heard).numbers.size(), 1u);
   EXPECT_EQ(heard.text().find("wrote"), std::string::npos) << heard.text();
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
 }
@@ -104,18 +103,18 @@ TEST_F(SkyJobTest, sun_of_observers_is_for_each_and_period) {
                              visibility::parse_observer("690015,5325010,601")};
   const jobs::SunResult result = run(jobs::plan(sun), heard);
   ASSERT_EQ(result.observers.size(), 2u);
-  ASSERT_EQ(result.radiation.size(), 2u);
-  for (const visibility::Radiation& one : result.radiation) EXPECT_FLOAT_EQ(one.hours, 2.0f);
-  EXPECT_TRUE(result.maps.empty());
+  ASSERT_EQ(result.receivers(), 2u);
+  for (const float hours : result.numbers) EXPECT_FLOAT_EQ(hours, 2.0f);
+  EXPECT_FALSE(result.grid);
 }
 
 TEST_F(SkyJobTest, sun_of_the_ground_is_a_map_for_each_period) {
   jobs::SunRequest sun = noon("sun.tif");
   sun.map.resolution = 4.0;
   const jobs::SunResult result = run(jobs::plan(sun), heard);
-  ASSERT_EQ(result.maps.size(), result.periods.size());
-  EXPECT_EQ(result.maps.front().values.size(), result.maps.front().grid.size());
-  EXPECT_TRUE(result.radiation.empty());
+  ASSERT_TRUE(result.grid);
+  EXPECT_EQ(result.receivers(), result.grid->size());
+  EXPECT_EQ(bands_of(sun, result).size(), result.periods.size());
 }
 
 TEST_F(SkyJobTest, plans_reject_what_needs_no_cloud) {
@@ -131,8 +130,8 @@ TEST_F(SkyJobTest, plans_reject_what_needs_no_cloud) {
   sky.map.resolution = 1.0;
   EXPECT_NE(message(sky).find("--resolution does not apply"), std::string::npos) << message(sky);
   jobs::SunRequest sun = noon("sun.las");
-  sun.bounces = 1;
-  EXPECT_NE(message(sun).find("--bounces 1 does not apply"), std::string::npos) << message(sun);
+  sun.diagram = folder / "sun.png";
+  EXPECT_NE(message(sun).find("--diagram requires an observer"), std::string::npos) << message(sun);
 }
 
 }  // namespace

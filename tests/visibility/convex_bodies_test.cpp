@@ -86,9 +86,8 @@ TEST(ConvexBodies, get_light_from_all_of_the_sky_before_them) {
 }
 
 TEST(ConvexBodies, get_all_hours_of_the_sun_before_them) {
-  const std::vector<SunStep> steps{
-      {75.0, 20.0, 1.0, 500.0}, {200.0, 60.0, 2.0, 800.0}, {240.0, 40.0, 4.0, 600.0}};
-  const SunLight light = sun_light(steps, 1, {.has_sky = false});
+  const std::vector<SunStep> steps{{75.0, 20.0, 1.0}, {200.0, 60.0, 2.0}, {240.0, 40.0, 4.0}};
+  const LightOf<SunHours> light = sun_light(steps, 1, {});
   const auto direction_of = [](const SunStep& step) {
     const double azimuth = step.azimuth * std::numbers::pi / 180.0,
                  elevation = step.elevation * std::numbers::pi / 180.0;
@@ -98,7 +97,8 @@ TEST(ConvexBodies, get_all_hours_of_the_sun_before_them) {
   expect_in_few_writings(
       [&](const Body& body, const Writing&, const WrittenBody&, const Occluders& occluders, Share& share) {
         const std::vector<glm::vec3> normals(body.normals.begin(), body.normals.end());
-        const std::vector<Radiation> found = point_sun_hours(occluders, normals, light, {});
+        SunHoursMeasure measure(occluders, light, {});
+        const HugeVector<float> found = point_sun(occluders, normals, measure);
         for (std::size_t id = 0; id < found.size(); ++id) {
           double hours = 0.0, flattest = 1.0;
           for (const SunStep& step : steps) {
@@ -107,7 +107,7 @@ TEST(ConvexBodies, get_all_hours_of_the_sun_before_them) {
             if (slope > 0.0) hours += step.hours;
           }
           // Where the sun grazes a side it is before it or behind.
-          if (is_amid(body, id) && flattest > 0.1) share.add(std::fabs(found[id].hours - hours) < 1e-3);
+          if (is_amid(body, id) && flattest > 0.1) share.add(std::fabs(found[id] - hours) < 1e-3);
         }
       });
 }

@@ -36,9 +36,8 @@ Command add_visibility(const Options& program) {
        job_command(named("horizon", "Compute the horizon, sky-view factors and a panorama at one position"),
                    jobs::add_horizon_fields, show_horizon),
        job_command(named("sky", "Compute sky-view factors of points or of the ground"), jobs::add_sky_fields),
-       job_command(
-           named("sun", "Compute hours of direct sun and radiation on points, on the ground or at positions"),
-           jobs::add_sun_fields),
+       job_command(named("sun", "Compute hours of direct sun on points, on the ground or at positions"),
+                   jobs::add_sun_fields),
        job_command(named("lines", "Test lines of sight between pairs of positions"), jobs::add_lines_fields),
        job_command(named("summary", "Summarize what each observer sees in one row"),
                    jobs::add_summary_fields)}};

@@ -2,7 +2,6 @@
 #include "visibility/sky/sky_of_cloud.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -14,8 +13,6 @@
 #include "base/parallel.h"
 #include "visibility/point_blocks.h"
 #include "visibility/raster/map_targets.h"
-#include "visibility/sky/bounced_light.h"
-#include "visibility/sky/sky_patches.h"
 
 namespace alidade::visibility {
 
@@ -48,10 +45,6 @@ struct Question {
 
 /// Numbers of the targets of a part, row after row with one number per target.
 using Numbers = std::vector<float>;
-
-/// The numbers of a radiation, in the order of their rows.
-constexpr std::array k_fields = {&Radiation::hours, &Radiation::beam, &Radiation::diffuse,
-                                 &Radiation::reflected};
 
 /// Normal of the ground across a cell of a map.
 glm::dvec3 ground_normal(const Ground& ground, const glm::dvec3& foot, double cell_size) {
@@ -152,56 +145,25 @@ auto sky_answer(const Occluders& occluders, const SkyViewOptions& options) {
   };
 }
 
-/// An `answer` that returns the fields of each period, row by row; finds the open sides with
-/// so many directions first.
-class SunAnswer {
- public:
-  /// `cell`: of BouncedLight. The references must outlive the object.
-  SunAnswer(const Occluders& occluders, const SunLight& light, const SunHoursOptions& options,
-            int side_directions, double cell)
-      : occluders_(occluders), light_(light), options_(options), side_directions_(side_directions) {
-    if (options.bounces > 0) bounced_.emplace(occluders, light, options, cell);
-  }
-
-  Numbers operator()(std::span<SkyTarget> targets, std::span<const std::uint64_t> point_ids) {
-    if (side_directions_ > 0) find_open_sides(occluders_, side_directions_, targets);
-    const auto periods = static_cast<std::size_t>(light_.periods);
-    std::vector<Radiation> of_block(targets.size() * periods);
-    answer(targets, point_ids, of_block);
-    Numbers numbers;
-    numbers.reserve(k_fields.size() * of_block.size());
-    for (std::size_t period = 0; period < periods; ++period)
-      for (const auto field : k_fields)
-        for (std::size_t i = 0; i < targets.size(); ++i)
-          numbers.push_back(of_block[i * periods + period].*field);
+/// An `answer` that returns the numbers of a measure, row by row; finds the open sides with so many
+/// directions first.
+auto sun_answer(const Occluders& occluders, SunMeasure& measure, int side_directions) {
+  return [&occluders, &measure, side_directions](std::span<SkyTarget> targets,
+                                                 std::span<const std::uint64_t> point_ids) {
+    if (side_directions > 0) find_open_sides(occluders, side_directions, targets);
+    const std::size_t rows = measure.periods() * measure.numbers();
+    Numbers of_block(targets.size() * rows), numbers;
+    measure.answer(targets, point_ids, of_block);
+    numbers.reserve(of_block.size());
+    for (std::size_t row = 0; row < rows; ++row)
+      for (std::size_t i = 0; i < targets.size(); ++i) numbers.push_back(of_block[i * rows + row]);
     return numbers;
-  }
+  };
+}
 
- private:
-  void answer(std::span<const SkyTarget> targets, std::span<const std::uint64_t> point_ids,
-              std::span<Radiation> answers) {
-    if (!bounced_) return sun_hours(occluders_, targets, light_, options_, answers);
-    SunHoursOptions direct = options_;
-    direct.bounces = 0;
-    // The irradiance of points on their own surfaces is also what BouncedLight needs of them.
-    if (!point_ids.empty() && options_.receiver == SkyReceiver::surface && !options_.normal)
-      bounced_->answer_points(targets, point_ids, answers);
-    else
-      sun_hours(occluders_, targets, light_, direct, answers);
-    bounced_->add(targets, answers);
-  }
-
-  const Occluders& occluders_;
-  const SunLight& light_;
-  const SunHoursOptions& options_;
-  int side_directions_;
-  std::optional<BouncedLight> bounced_;
-};
-
-Question sun_question(const SunLight& light, const SunHoursOptions& options, int side_directions) {
-  const std::size_t of_bounce = options.bounces > 0 ? std::size_t{2} * k_sky_patches : 0;
-  return {light.bins.size() + light.fans.size() + of_bounce + static_cast<std::size_t>(side_directions),
-          k_fields.size() * static_cast<std::size_t>(light.periods), options.receiver};
+Question sun_question(const SunMeasure& measure, int side_directions) {
+  return {measure.lines() + static_cast<std::size_t>(side_directions), measure.periods() * measure.numbers(),
+          measure.receiver()};
 }
 
 }  // namespace
@@ -215,17 +177,14 @@ std::vector<float> point_sky_views(const Occluders& occluders, std::span<const g
   return views;
 }
 
-std::vector<Radiation> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
-                                       const SunLight& light, const SunHoursOptions& options,
-                                       const LongWork& work) {
+HugeVector<float> point_sun(const Occluders& occluders, std::span<const glm::vec3> normals,
+                            SunMeasure& measure, const LongWork& work) {
   constexpr int k_side_directions = 64;
-  const auto periods = static_cast<std::size_t>(light.periods);
-  std::vector<Radiation> answers(occluders.octree().size() * periods);
-  SunAnswer sun_answer(occluders, light, options, k_side_directions, 0.0);
-  for_each_point_target(occluders, normals, sun_question(light, options, k_side_directions), work, sun_answer,
+  const Question question = sun_question(measure, k_side_directions);
+  HugeVector<float> answers(occluders.octree().size() * question.numbers);
+  for_each_point_target(occluders, normals, question, work, sun_answer(occluders, measure, k_side_directions),
                         [&](std::uint64_t point_id, std::size_t row, float number) {
-                          Radiation& answer = answers[point_id * periods + row / k_fields.size()];
-                          answer.*k_fields[row % k_fields.size()] = number;
+                          answers[point_id * question.numbers + row] = number;
                         });
   return answers;
 }
@@ -242,20 +201,16 @@ geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& gr
   return views;
 }
 
-std::vector<geo::Raster<Radiation>> ground_sun_hours(const Occluders& occluders, const Ground& ground,
-                                                     const geo::RasterGrid& grid, double height,
-                                                     const SunLight& light, const SunHoursOptions& options,
-                                                     const LongWork& work) {
-  constexpr int k_bands = 5;
-  geo::check_map_memory(grid, k_bands * light.periods);
-  std::vector<geo::Raster<Radiation>> maps(static_cast<std::size_t>(light.periods),
-                                           geo::Raster<Radiation>(grid, {.hours = k_nothing}));
-  SunAnswer sun_answer(occluders, light, options, 0, grid.cell_size);
-  for_each_ground_target(occluders, ground, grid, height, sun_question(light, options, 0), work, sun_answer,
+HugeVector<float> ground_sun(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
+                             double height, SunMeasure& measure, const LongWork& work) {
+  const Question question = sun_question(measure, 0);
+  geo::check_map_memory(grid, static_cast<int>(question.numbers + measure.periods()));
+  HugeVector<float> answers(grid.size() * question.numbers, k_nothing);
+  for_each_ground_target(occluders, ground, grid, height, question, work, sun_answer(occluders, measure, 0),
                          [&](std::size_t cell, std::size_t row, float number) {
-                           maps[row / k_fields.size()].values[cell].*k_fields[row % k_fields.size()] = number;
+                           answers[cell * question.numbers + row] = number;
                          });
-  return maps;
+  return answers;
 }
 
 }  // namespace alidade::visibility

@@ -14,7 +14,6 @@
 #include "base/exact_math.h"
 #include "base/parallel.h"
 #include "geo/earth.h"
-#include "visibility/sky/sky_patches.h"
 
 namespace alidade::visibility {
 namespace {
@@ -96,6 +95,20 @@ double view_above_horizons(const geo::TerrainSurface& terrain, const SkyTarget& 
 }
 
 }  // namespace
+
+glm::dvec3 direction_integral(const SkyCell& cell) {
+  constexpr double k_degree = std::numbers::pi / 180.0;
+  const SineCosine west = sine_cosine_of_degrees(cell.azimuth_min),
+                   east = sine_cosine_of_degrees(cell.azimuth_max),
+                   low = sine_cosine_of_degrees(cell.elevation_min),
+                   high = sine_cosine_of_degrees(cell.elevation_max);
+  // Integrals of cos^2 and of sin cos over the elevations.
+  const double flat = 0.5 * ((cell.elevation_max - cell.elevation_min) * k_degree + high.sine * high.cosine -
+                             low.sine * low.cosine),
+               steep = 0.5 * (high.sine * high.sine - low.sine * low.sine);
+  return {flat * (west.cosine - east.cosine), flat * (east.sine - west.sine),
+          steep * (cell.azimuth_max - cell.azimuth_min) * k_degree};
+}
 
 std::vector<glm::dvec3> even_sky_directions(int count) {
   std::vector<glm::dvec3> directions;

@@ -27,6 +27,16 @@ std::vector<glm::dvec3> even_sky_directions(int count);
 /// onto its base, Nusselt 1928.
 std::vector<glm::dvec3> cosine_sky_directions(int count);
 
+/// A part of the sky between two azimuths and two elevations, degrees; azimuths as those of SunStep,
+/// min < max.
+struct SkyCell {
+  double azimuth_min = 0.0, azimuth_max = 360.0, elevation_min = 0.0, elevation_max = 90.0;
+};
+
+/// The integral of the direction over the solid angle of a cell. Its product with the cell's radiance and the
+/// normal of a receiver that faces all of the cell is the irradiance of that receiver.
+glm::dvec3 direction_integral(const SkyCell& cell);
+
 // The share of the sky that is visible from a position, through every gap.
 //
 //   std::vector<SkyTarget> targets{target_on_point(occluders, id, position, {})};

@@ -6,13 +6,10 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
-#include <numbers>
 #include <optional>
 #include <string>
 
 #include "base/error.h"
-#include "base/exact_math.h"
 #include "geo/earth.h"
 #include "geo/sun.h"
 #include "visibility/horizon/skyline_image.h"
@@ -36,13 +33,6 @@ Moment later(const Moment& from, double seconds) {
   return {from.day + std::chrono::days(static_cast<int>(days)), total - days * k_seconds_per_day};
 }
 
-/// 1 is the beginning of 1 January.
-double day_of_year(const Moment& moment) {
-  const std::chrono::year_month_day date(moment.day);
-  const std::chrono::sys_days first(date.year() / std::chrono::January / 1);
-  return static_cast<double>((moment.day - first).count()) + 1.0 + moment.seconds / k_seconds_per_day;
-}
-
 /// Number of a period; consecutive periods have consecutive numbers.
 int period_number(const SunSchedule& schedule, const Moment& moment) {
   const Moment local = later(moment, std::round(schedule.longitude / 360.0 * k_seconds_per_day));
@@ -59,69 +49,6 @@ int period_number(const SunSchedule& schedule, const Moment& moment) {
       return static_cast<int>(local.day.time_since_epoch().count());
   }
   return 0;
-}
-
-/// Gives a step the light of its moment.
-void set_irradiance(const SunSchedule& schedule, const Moment& moment, SunStep& step) {
-  const double day = day_of_year(moment);
-  step.extraterrestrial = extraterrestrial_irradiance(day);
-  if (schedule.weather != nullptr) {
-    const HourlyIrradiance& hour = schedule.weather->at(moment);
-    step.irradiance = hour.direct_normal;
-    step.diffuse = hour.diffuse_horizontal;
-    return;
-  }
-  ClearAir air = schedule.air;
-  if (schedule.monthly_turbidity) {
-    const auto month = static_cast<unsigned>(std::chrono::year_month_day(moment.day).month());
-    air.linke_turbidity = (*schedule.monthly_turbidity)[month - 1];
-  }
-  step.irradiance = beam_irradiance(step.elevation, day, air);
-  step.diffuse = diffuse_irradiance(step.elevation, day, air);
-}
-
-/// Gives the steps with sun of an hour of a weather file the energy of all steps of that hour.
-class WholeHours {
- public:
-  /// Both must outlive the object. `weather` may be null: then the object does nothing.
-  WholeHours(const Weather* weather, std::vector<SunStep>& steps) : weather_(weather), steps_(steps) {}
-
-  /// To be called with each step before it is added to the steps, also if the sun is not up.
-  void enter(const Moment& middle, double hours, bool is_up) {
-    if (weather_ == nullptr) return;
-    if (const std::int64_t number = weather_->hour_number(middle); number != number_) {
-      finish();
-      number_ = number;
-    }
-    all_ += hours;
-    if (is_up) up_ += hours;
-  }
-  void finish() {
-    for (; first_ < steps_.size() && weather_ != nullptr; ++first_) {
-      steps_[first_].irradiance *= all_ / up_;
-      steps_[first_].diffuse *= all_ / up_;
-    }
-    all_ = up_ = 0.0;
-  }
-
- private:
-  const Weather* weather_;
-  std::vector<SunStep>& steps_;
-  std::int64_t number_ = 0;
-  std::size_t first_ = 0;        ///< step of the hour
-  double all_ = 0.0, up_ = 0.0;  ///< hours
-};
-
-/// Optical thickness of clean dry air, per air mass. Source: Kasten 1996, as in Rigollier et al.
-/// 2000, equations 11 and 12.
-double rayleigh_thickness(double mass) {
-  constexpr double k_low_sun = 20.0;
-  if (mass > k_low_sun) return 1.0 / (10.4 + 0.718 * mass);
-  return 1.0 / (6.6296 + mass * (1.7513 + mass * (-0.1202 + mass * (0.0065 - 0.00013 * mass))));
-}
-
-double rounded_irradiance(double irradiance) {
-  return std::round(irradiance * 1e4) / 1e4;
 }
 
 struct DayPath {
@@ -150,7 +77,6 @@ std::vector<SunStep> steps_of_day(const SunSchedule& schedule, std::chrono::year
   part.from = moment(begin);
   part.to = moment(end);
   part.step_minutes = 60.0 * step_hours;
-  part.weather = nullptr;
   part.period = SunPeriod::whole;
   return sun_steps(part);
 }
@@ -169,32 +95,6 @@ std::optional<glm::dvec2> position_at(const SunSchedule& schedule, const std::ch
 }
 
 }  // namespace
-
-double extraterrestrial_irradiance(double day_of_year) {
-  constexpr double k_solar_constant = 1367.0, k_days = 365.25;
-  constexpr double k_eccentricity = 0.03344, k_perihelion = 0.048869;
-  const double turn = 2.0 * std::numbers::pi * day_of_year / k_days;
-  return k_solar_constant * (1.0 + k_eccentricity * std::cos(turn - k_perihelion));
-}
-
-double beam_irradiance(double elevation, double day_of_year, const ClearAir& air) {
-  if (!(elevation > 0.0)) return 0.0;
-  const double mass = geo::air_mass(elevation) * std::exp(-air.height / 8434.5);
-  return rounded_irradiance(extraterrestrial_irradiance(day_of_year) *
-                            std::exp(-0.8662 * air.linke_turbidity * mass * rayleigh_thickness(mass)));
-}
-
-double diffuse_irradiance(double elevation, double day_of_year, const ClearAir& air) {
-  if (!(elevation > 0.0)) return 0.0;
-  constexpr double k_least = 0.0022;  // of the sky's transmission where the sun is at the horizon
-  const double t = air.linke_turbidity, sine = sine_cosine_of_degrees(elevation).sine;
-  const double transmission = -0.015843 + t * (0.030543 + t * 0.0003797);
-  const double constant = std::max(0.26463 + t * (-0.061581 + t * 0.0031408), k_least / transmission),
-               linear = 2.04020 + t * (0.018945 - t * 0.011161),
-               square = -1.3025 + t * (0.039231 + t * 0.0085079);
-  return rounded_irradiance(extraterrestrial_irradiance(day_of_year) * transmission *
-                            (constant + sine * (linear + sine * square)));
-}
 
 std::vector<std::string> sun_periods(const SunSchedule& schedule) {
   const int first = period_number(schedule, schedule.from),
@@ -223,48 +123,49 @@ std::vector<std::string> sun_periods(const SunSchedule& schedule) {
   return names;
 }
 
-std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress) {
+std::size_t step_count(const SunSchedule& schedule) {
   require("time step", schedule.step_minutes, 0.1, 1440.0);
   require("latitude", schedule.latitude, -90.0, 90.0);
   require("longitude", schedule.longitude, -360.0, 360.0);
-  require("turbidity", schedule.air.linke_turbidity, 1.0, 20.0);
-  if (schedule.monthly_turbidity)
-    for (const double turbidity : *schedule.monthly_turbidity) require("turbidity", turbidity, 1.0, 20.0);
-  require("height above sea level", schedule.air.height, -1000.0, 10000.0);
-  const double duration = seconds_between(schedule.from, schedule.to), step = 60.0 * schedule.step_minutes;
+  const double duration = seconds_between(schedule.from, schedule.to);
   check_that(duration > 0.0, "empty time range", "an end after " + date_time_text(schedule.from),
              date_time_text(schedule.to));
-  const double count = std::ceil(duration / step);
+  const double count = std::ceil(duration / (60.0 * schedule.step_minutes));
   check_that(count <= static_cast<double>(k_most_sun_steps), "too many time steps",
              fmt::format("at most {}: use longer steps or a shorter time", k_most_sun_steps),
              fmt::format("{:.0f}", count));
+  return static_cast<std::size_t>(count);
+}
+
+StepTime step_time(const SunSchedule& schedule, std::size_t number) {
+  const double step = 60.0 * schedule.step_minutes, begin = static_cast<double>(number) * step,
+               end = std::fmin(begin + step, seconds_between(schedule.from, schedule.to));
+  return {later(schedule.from, 0.5 * (begin + end)), (end - begin) / 3600.0};
+}
+
+std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress) {
+  require("height above sea level", schedule.height, -1000.0, 10000.0);
+  const std::size_t total = step_count(schedule);
   constexpr double k_sea_pressure = 1013.25, k_scale_height = 8434.5;
-  const geo::SunObserver observer{
-      .latitude = schedule.latitude,
-      .longitude = schedule.longitude,
-      .height = schedule.air.height,
-      .pressure = k_sea_pressure * std::exp(-schedule.air.height / k_scale_height)};
+  const geo::SunObserver observer{.latitude = schedule.latitude,
+                                  .longitude = schedule.longitude,
+                                  .height = schedule.height,
+                                  .pressure = k_sea_pressure * std::exp(-schedule.height / k_scale_height)};
   const int first_period = period_number(schedule, schedule.from);
   std::vector<SunStep> steps;
-  WholeHours whole_hours(schedule.weather, steps);
-  const auto total = static_cast<std::size_t>(count);
   for (std::size_t i = 0; i < total; ++i) {
     constexpr std::size_t k_report_interval = 256;
     if (i % k_report_interval == 0) report(progress, i, total);
-    const double begin = static_cast<double>(i) * step, end = std::fmin(begin + step, duration);
-    const Moment middle = later(schedule.from, 0.5 * (begin + end));
-    const geo::SunPosition sun = geo::sun_position(middle, observer);
+    const StepTime time = step_time(schedule, i);
+    const geo::SunPosition sun = geo::sun_position(time.middle, observer);
     const double elevation = geo::rounded_degrees(sun.elevation);
-    whole_hours.enter(middle, (end - begin) / 3600.0, elevation > 0.0);
     if (!(elevation > 0.0)) continue;
-    SunStep one{.azimuth = geo::wrapped_degrees(geo::rounded_degrees(sun.azimuth - schedule.grid_north)),
-                .elevation = elevation,
-                .hours = (end - begin) / 3600.0,
-                .period = period_number(schedule, middle) - first_period};
-    set_irradiance(schedule, middle, one);
-    steps.push_back(one);
+    steps.push_back({.azimuth = geo::wrapped_degrees(geo::rounded_degrees(sun.azimuth - schedule.grid_north)),
+                     .elevation = elevation,
+                     .hours = time.hours,
+                     .period = period_number(schedule, time.middle) - first_period,
+                     .number = i});
   }
-  whole_hours.finish();
   report(progress, total, total);
   return steps;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sky/sun_path.h"
+#include "extensions/radiation/irradiance.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "extensions/radiation/sky_patches.h"
 #include "geo/earth.h"
-#include "visibility/sky/sky_patches.h"
 
 namespace alidade::test {
 

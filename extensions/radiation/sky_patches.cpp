@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sky/sky_patches.h"
+#include "extensions/radiation/sky_patches.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "base/exact_math.h"
 #include "geo/earth.h"
 #include "geo/sun.h"
 
@@ -117,19 +116,6 @@ std::array<Patch, k_sky_patches> make_patches() {
 }
 
 }  // namespace
-
-glm::dvec3 direction_integral(const SkyCell& cell) {
-  const SineCosine west = sine_cosine_of_degrees(cell.azimuth_min),
-                   east = sine_cosine_of_degrees(cell.azimuth_max),
-                   low = sine_cosine_of_degrees(cell.elevation_min),
-                   high = sine_cosine_of_degrees(cell.elevation_max);
-  // Integrals of cos^2 and of sin cos over the elevations.
-  const double flat = 0.5 * ((cell.elevation_max - cell.elevation_min) * k_degree + high.sine * high.cosine -
-                             low.sine * low.cosine),
-               steep = 0.5 * (high.sine * high.sine - low.sine * low.sine);
-  return {flat * (west.cosine - east.cosine), flat * (east.sine - west.sine),
-          steep * (cell.azimuth_max - cell.azimuth_min) * k_degree};
-}
 
 SkyCell sky_patch(int patch) {
   int row = 0;

@@ -10,9 +10,8 @@
 #include <string>
 
 #include "base/error.h"
+#include "extensions/radiation/irradiance.h"
 #include "tests/cloud/cloud_test_support.h"
-#include "visibility/sky/sun_path.h"
-#include "visibility/sky/weather.h"
 
 namespace alidade::test {
 
@@ -258,14 +257,13 @@ TEST(WeatherFile, gives_steps_of_the_sun_all_of_its_energy) {
   for (const std::string& text : {epw({}), replaced(pvgis(), "Offset (h): 0.1761", "Offset (h): 0.5")}) {
     const Weather weather = read(text);
     SunSchedule schedule;
-    schedule.weather = &weather;
     schedule.latitude = weather.latitude();
     schedule.longitude = weather.longitude();
     schedule.step_minutes = 60.0;
     schedule.from = parse_date_time("2026-01-01T00:00Z");
     schedule.to = parse_date_time("2027-01-01T00:00Z");
     double direct = 0.0, diffuse = 0.0;
-    for (const SunStep& step : sun_steps(schedule)) {
+    for (const LitStep& step : lit_steps(schedule, sun_steps(schedule), {.weather = &weather})) {
       direct += step.hours * step.irradiance;
       diffuse += step.hours * step.diffuse;
     }

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "base/error.h"
-#include "visibility/sky/weather.h"
+#include "extensions/radiation/weather.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;

@@ -9,10 +9,10 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "extensions/radiation/sky_patches.h"
+#include "extensions/radiation/tests/radiation_of_cloud.h"
 #include "geo/earth.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/sky/sky_of_cloud.h"
-#include "visibility/sky/sky_patches.h"
 
 namespace alidade::test {
 
@@ -39,24 +39,24 @@ Occluders flat() {
 }
 
 /// Morning, noon and evening under a clear, a hazy and an overcast sky; the last in another period.
-const std::vector<SunStep>& steps() {
-  static const std::vector<SunStep> three{{105.0, 20.0, 1.5, 700.0, 60.0, 1367.0, 0},
+const std::vector<LitStep>& steps() {
+  static const std::vector<LitStep> three{{105.0, 20.0, 1.5, 700.0, 60.0, 1367.0, 0},
                                           {180.0, 62.0, 2.0, 500.0, 230.0, 1367.0, 0},
                                           {251.0, 33.0, 1.0, 0.0, 120.0, 1367.0, 1}};
   return three;
 }
 
-std::vector<Radiation> at(const Occluders& occluders, const glm::dvec3& position, const SunLight& light,
-                          const SunHoursOptions& options = {}) {
+std::vector<Radiation> at(const Occluders& occluders, const glm::dvec3& position, const EnergyLight& light,
+                          const RadiationOptions& options = {}) {
   const SkyTarget target = target_in_open({position});
   std::vector<Radiation> answers(static_cast<std::size_t>(light.periods));
-  sun_hours(occluders, std::span(&target, 1), light, options, answers);
+  radiation(occluders, std::span(&target, 1), light, options, answers);
   return answers;
 }
 
 /// The sky's light on a receiver, patch by patch in cells of half a degree, where `sees` a direction.
 template <class Sees>
-double diffuse_by_integral(const SunStep& step, const glm::dvec3& normal, const Sees& sees) {
+double diffuse_by_integral(const LitStep& step, const glm::dvec3& normal, const Sees& sees) {
   const auto radiances =
       sky_radiances({step.azimuth, step.elevation, step.irradiance, step.diffuse, step.extraterrestrial});
   double sum = 0.0;
@@ -74,7 +74,7 @@ double diffuse_by_integral(const SunStep& step, const glm::dvec3& normal, const 
 TEST(Radiation, of_an_open_plane_is_its_closed_formula_by_bins_and_by_fans) {
   const Occluders occluders = flat();
   for (const bool by_horizons : {false, true}) {
-    const SunLight light = sun_light(steps(), 2, {.by_horizons = by_horizons});
+    const EnergyLight light = energy_light(steps(), 2, {.by_horizons = by_horizons});
     EXPECT_EQ(light.bins.empty(), by_horizons);
     const std::vector<Radiation> answers = at(occluders, {0.5, 0.5, 0.0}, light);
     EXPECT_NEAR(answers[0].hours, 3.5, 1e-6);
@@ -96,7 +96,7 @@ TEST(Radiation, of_a_tilted_receiver_has_incidence_the_sky_before_it_and_the_lig
     for (const double aspect : {180.0, 300.0}) {
       const glm::dvec3 normal = tilted_normal(tilt, aspect);
       double beam = 0.0, diffuse = 0.0, global = 0.0, hours = 0.0;
-      for (const SunStep& step : std::span<const SunStep>(steps()).first(2)) {
+      for (const LitStep& step : std::span<const LitStep>(steps()).first(2)) {
         const glm::dvec3 sun = compass_direction(step.azimuth, step.elevation);
         const double cosine = glm::dot(sun, normal);
         hours += cosine > 0.0 ? step.hours : 0.0;
@@ -105,7 +105,7 @@ TEST(Radiation, of_a_tilted_receiver_has_incidence_the_sky_before_it_and_the_lig
         global += step.hours * (step.irradiance * sun.z + step.diffuse);
       }
       for (const bool by_horizons : {false, true}) {
-        const SunLight light = sun_light(steps(), 2, {.by_horizons = by_horizons});
+        const EnergyLight light = energy_light(steps(), 2, {.by_horizons = by_horizons});
         const Radiation answer =
             at(occluders, {0.5, 0.5, 0.0}, light, {.normal = normal, .albedo = 0.3}).front();
         EXPECT_NEAR(answer.hours, hours, 1e-6) << tilt << " " << aspect;
@@ -125,13 +125,13 @@ TEST(Radiation, in_a_crater_is_that_of_the_sky_above_its_rim) {
       80, 80, [&](const glm::dvec2& position) { return glm::length(position) >= k_radius ? height : 0.0; });
   const double sine = std::sin((k_rim - 0.4) * k_degree);  // the rim's first cells are up to one farther away
   for (const bool by_horizons : {false, true}) {
-    const SunLight light = sun_light(steps(), 2, {.by_horizons = by_horizons});
+    const EnergyLight light = energy_light(steps(), 2, {.by_horizons = by_horizons});
     const std::vector<Radiation> answers = at(occluders, {0.0, 0.0, 0.0}, light);
     EXPECT_NEAR(answers[0].hours, 2.0, 1e-6) << "the noon alone";
     EXPECT_NEAR(answers[0].beam, 1000.0 * std::sin(62.0 * k_degree), 1e-3);
     EXPECT_EQ(answers[1].hours, 0.0f);
     double expected = 0.0;
-    for (const SunStep& step : std::span<const SunStep>(steps()).first(2))
+    for (const LitStep& step : std::span<const LitStep>(steps()).first(2))
       expected += diffuse_by_integral(step, {0, 0, 1}, [&](const glm::dvec3& way) { return way.z > sine; });
     EXPECT_NEAR(answers[0].diffuse, expected, 0.02 * expected) << by_horizons;
   }
@@ -155,14 +155,14 @@ TEST(SkyView, above_horizons_is_the_mean_of_the_squared_cosines_of_their_elevati
 
 /// The share of an even sky on the horizontal: every patch has the radiance 1/pi.
 double view_by_patches(const Occluders& occluders, const SkyTarget& target) {
-  SunLight light = sun_light(std::vector<SunStep>{{180.0, 40.0, 1.0, 500.0, 100.0, 1367.0, 0}}, 1, {});
+  EnergyLight light = energy_light(std::vector<LitStep>{{180.0, 40.0, 1.0, 500.0, 100.0, 1367.0, 0}}, 1, {});
   EXPECT_EQ(light.bins.size(), 1u + k_sky_patches);
   for (int patch = 0; patch < k_sky_patches; ++patch) {
     auto& shares = light.bins[static_cast<std::size_t>(patch) + 1].shares;
     shares.front().sums.diffuse = direction_integral(sky_patch(patch)) / std::numbers::pi;
   }
   Radiation answer;
-  sun_hours(occluders, std::span(&target, 1), light, {}, std::span(&answer, 1));
+  radiation(occluders, std::span(&target, 1), light, {}, std::span(&answer, 1));
   return answer.diffuse;
 }
 
@@ -186,13 +186,13 @@ TEST(Radiation, by_horizons_is_that_of_lines_of_sight_at_every_step) {
         std::fmod(position.x + 100.0, 15.0) < 7.0 && std::fmod(position.y + 100.0, 12.0) < 6.0;
     return 3.0 * std::sin(0.2 * position.x) * std::cos(0.15 * position.y) + (is_house ? 8.0 : 0.0);
   });
-  std::vector<SunStep> many;
+  std::vector<LitStep> many;
   for (double azimuth = 60.0; azimuth < 300.0; azimuth += 3.7)
     for (double elevation = 3.0; elevation < 60.0; elevation += 4.1)
       many.push_back({azimuth, elevation, 1.0, 500.0, 100.0, 1367.0, 0});
-  const SunLight lines = sun_light(many, 1, {.has_sky = false}),
-                 horizons = sun_light(many, 1, {.has_sky = false, .by_horizons = true}),
-                 sectors = sun_light(many, 1, {.bin = 1.0, .has_sky = false, .by_horizons = true});
+  const EnergyLight lines = energy_light(many, 1, {.has_sky = false}),
+                    horizons = energy_light(many, 1, {.has_sky = false, .by_horizons = true}),
+                    sectors = energy_light(many, 1, {.bin = 1.0, .has_sky = false, .by_horizons = true});
   EXPECT_LE(sectors.fans.size(), 240u);
   double difference = 0.0, of_sectors = 0.0;
   int count = 0;
@@ -213,7 +213,7 @@ TEST(Radiation, by_horizons_is_that_of_lines_of_sight_at_every_step) {
 }
 
 TEST(Radiation, by_horizons_requires_a_terrain_alone) {
-  const SunLight light = sun_light(steps(), 2, {.by_horizons = true});
+  const EnergyLight light = energy_light(steps(), 2, {.by_horizons = true});
   const Occluders points(octree_of({{1, 0, 0}}), {.radius = 0.1});
   EXPECT_FALSE(has_horizons(points, INFINITY));
   EXPECT_TRUE(has_horizons(flat(), INFINITY));
@@ -229,16 +229,15 @@ TEST(GroundRadiation, of_slopes_is_that_of_their_normals) {
   const Occluders occluders =
       terrain_of(40, 40, [&](const glm::dvec2& position) { return fall * position.y; });
   const Ground ground(*occluders.options().terrain);
-  const SunLight light = sun_light(steps(), 2, {.by_horizons = true});
+  const EnergyLight light = energy_light(steps(), 2, {.by_horizons = true});
   const RasterGrid grid = grid_over({{-2, -2, 0}, {2, 2, 0}}, 1.0);
+  const std::size_t cell = 2 * (static_cast<std::size_t>(grid.columns) + 1);  // of two periods
   const Radiation level =
-      ground_sun_hours(occluders, ground, grid, 0.0, light, {.receiver = SkyReceiver::horizontal})
-          .front()
-          .at(1, 1);
-  const Radiation slope = ground_sun_hours(occluders, ground, grid, 0.0, light, {}).front().at(1, 1);
+      ground_radiation(occluders, ground, grid, 0.0, light, {.receiver = SkyReceiver::horizontal})[cell];
+  const Radiation slope = ground_radiation(occluders, ground, grid, 0.0, light, {})[cell];
   const glm::dvec3 normal = tilted_normal(20.0, 180.0);
   double beam = 0.0;
-  for (const SunStep& step : std::span<const SunStep>(steps()).first(2))
+  for (const LitStep& step : std::span<const LitStep>(steps()).first(2))
     beam += step.hours * step.irradiance * glm::dot(compass_direction(step.azimuth, step.elevation), normal);
   EXPECT_NEAR(slope.beam, beam, 1e-3 * beam);
   EXPECT_NEAR(level.beam, 1.5 * 700.0 * std::sin(20.0 * k_degree) + 1000.0 * std::sin(62.0 * k_degree), 1e-2);
@@ -250,33 +249,7 @@ TEST(GroundRadiation, of_slopes_is_that_of_their_normals) {
   EXPECT_NEAR(views(SkyReceiver::surface), 0.5 * (1.0 + std::cos(20.0 * k_degree)), 0.005);
 }
 
-TEST(SunPeriods, are_local_years_months_and_days) {
-  SunSchedule schedule;
-  schedule.from = parse_date_time("2025-12-31T23:20Z");
-  schedule.to = parse_date_time("2026-03-01T23:00Z");
-  schedule.longitude = 15.0;
-  schedule.latitude = 48.0;
-  schedule.step_minutes = 60.0;
-  const auto names = [&](SunPeriod period) {
-    schedule.period = period;
-    return sun_periods(schedule);
-  };
-  EXPECT_EQ(names(SunPeriod::whole), (std::vector<std::string>{""}));
-  EXPECT_EQ(names(SunPeriod::year), (std::vector<std::string>{"2026"}));
-  EXPECT_EQ(names(SunPeriod::month), (std::vector<std::string>{"2026-01", "2026-02", "2026-03"}));
-  ASSERT_EQ(names(SunPeriod::day).size(), 60u);
-  EXPECT_EQ(names(SunPeriod::day).front(), "2026-01-01");
-  EXPECT_EQ(names(SunPeriod::day).back(), "2026-03-01");
-  schedule.period = SunPeriod::month;
-  for (const SunStep& step : sun_steps(schedule)) {
-    EXPECT_GE(step.period, 0);
-    EXPECT_LE(step.period, 2);
-  }
-  schedule.to = parse_date_time("2027-03-01T23:00Z");
-  EXPECT_THROW(names(SunPeriod::day), Error);
-}
-
-TEST(SunSteps, of_a_weather_file_have_all_energy_of_their_hours) {
+TEST(LitSteps, of_a_weather_file_have_all_energy_of_their_hours) {
   // Every hour of the year has 120 W/m2 of the sky, hours without sun nothing of it.
   std::string text =
       "LOCATION,a,b,c,d,1,48.0,0.0,0.0,500\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n"
@@ -289,14 +262,14 @@ TEST(SunSteps, of_a_weather_file_have_all_energy_of_their_hours) {
         text += fmt::format("1999,{},{},{},0,C,1,1,9,9,0,0,3,0,240,120,0,0\n", month, day, hour);
   InputFile file(std::as_bytes(std::span(text)), "even.epw");
   const Weather weather(file);
+  const LightSource source{.weather = &weather};
   SunSchedule schedule;
   schedule.from = parse_date_time("2026-06-21T00:00Z");
   schedule.to = parse_date_time("2026-06-22T00:00Z");
   schedule.step_minutes = 10.0;
   schedule.latitude = 48.0;
-  schedule.weather = &weather;
   double energy = 0.0, beam = 0.0, hours = 0.0;
-  for (const SunStep& step : sun_steps(schedule)) {
+  for (const LitStep& step : lit_steps(schedule, sun_steps(schedule), source)) {
     energy += step.hours * step.diffuse;
     beam += step.hours * step.irradiance;
     hours += step.hours;
@@ -309,23 +282,27 @@ TEST(SunSteps, of_a_weather_file_have_all_energy_of_their_hours) {
   EXPECT_LE(touched, 18.0);
   EXPECT_NEAR(beam, 2.0 * energy, 1e-6);
   schedule.to = parse_date_time("2026-06-21T12:05Z");
-  EXPECT_EQ(sun_steps(schedule).back().diffuse, 120.0) << "a step cut short has no more than its time";
+  EXPECT_EQ(lit_steps(schedule, sun_steps(schedule), source).back().diffuse, 120.0)
+      << "a step cut short has no more than its time";
 }
 
-TEST(SunSteps, have_the_turbidity_of_their_month) {
+TEST(LitSteps, have_the_turbidity_of_their_month) {
   SunSchedule schedule;
   schedule.from = parse_date_time("2026-01-31T12:00Z");
   schedule.to = parse_date_time("2026-02-01T13:00Z");
   schedule.step_minutes = 60.0;
   schedule.latitude = 48.0;
-  schedule.monthly_turbidity.emplace();
-  schedule.monthly_turbidity->fill(2.0);
-  (*schedule.monthly_turbidity)[1] = 6.0;
-  const std::vector<SunStep> two = sun_steps(schedule);
+  LightSource source;
+  source.monthly_turbidity.emplace();
+  source.monthly_turbidity->fill(2.0);
+  (*source.monthly_turbidity)[1] = 6.0;
+  const std::vector<LitStep> two = lit_steps(schedule, sun_steps(schedule), source);
   EXPECT_GT(two.front().irradiance, 1.3 * two.back().irradiance);
   EXPECT_LT(two.front().diffuse, two.back().diffuse);
-  (*schedule.monthly_turbidity)[11] = 0.5;
-  EXPECT_THROW(sun_steps(schedule), Error);
+  (*source.monthly_turbidity)[11] = 0.5;
+  EXPECT_THROW(lit_steps(schedule, sun_steps(schedule), source), Error);
+  source = {.air = {.linke_turbidity = 0.0}};
+  EXPECT_THROW(lit_steps(schedule, sun_steps(schedule), source), Error);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One bounce of light, in places whose form factors are known on paper.
-#include "visibility/sky/bounced_light.h"
+#include "extensions/radiation/bounced_light.h"
 
 #include <gtest/gtest.h>
 
@@ -11,11 +11,11 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "extensions/radiation/sky_patches.h"
+#include "extensions/radiation/tests/radiation_of_cloud.h"
 #include "geo/earth.h"
 #include "mesh/triangle_tree.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/sky/sky_of_cloud.h"
-#include "visibility/sky/sky_patches.h"
 
 namespace alidade::test {
 
@@ -28,8 +28,8 @@ constexpr double k_pi = std::numbers::pi;
 const glm::dvec3 k_up(0.0, 0.0, 1.0);
 
 /// An even sky that gives open level ground 100 Wh/m2.
-SunLight even_sky() {
-  SunLight light;
+EnergyLight even_sky() {
+  EnergyLight light;
   for (int patch = 0; patch < k_sky_patches; ++patch) {
     LightSums sums;
     sums.diffuse = 100.0 / k_pi * direction_integral(sky_patch(patch));
@@ -40,18 +40,18 @@ SunLight even_sky() {
 }
 
 /// The sun alone, an hour of 1000 W/m2.
-SunLight sun_at(double azimuth, double elevation) {
-  return sun_light(std::vector<SunStep>{{azimuth, elevation, 1.0, 1000.0}}, 1, {.has_sky = false});
+EnergyLight sun_at(double azimuth, double elevation) {
+  return energy_light(std::vector<LitStep>{{azimuth, elevation, 1.0, 1000.0}}, 1, {.has_sky = false});
 }
 
-double reflected(const Occluders& occluders, const SkyTarget& target, const SunLight& light,
-                 const SunHoursOptions& options) {
+double reflected(const Occluders& occluders, const SkyTarget& target, const EnergyLight& light,
+                 const RadiationOptions& options) {
   Radiation answer;
-  sun_hours(occluders, std::span(&target, 1), light, options, std::span(&answer, 1));
+  radiation(occluders, std::span(&target, 1), light, options, std::span(&answer, 1));
   return answer.reflected;
 }
 
-SunHoursOptions facing(const glm::dvec3& normal, double albedo = 1.0) {
+RadiationOptions facing(const glm::dvec3& normal, double albedo = 1.0) {
   return {.normal = normal, .albedo = albedo, .bounces = 1};
 }
 
@@ -104,7 +104,7 @@ TEST(BouncedLight, of_a_receiver_that_faces_a_sunlit_wall_is_that_of_the_wall_an
 
 TEST(BouncedLight, comes_from_the_side_of_a_thin_wall_that_the_receiver_sees) {
   const Occluders occluders(octree_of(wall()), {});
-  const SunLight light = sun_at(180.0, 30.0);
+  const EnergyLight light = sun_at(180.0, 30.0);
   EXPECT_EQ(reflected(occluders, target_in_open({{0.0, 4.0, 1.0}}), light, facing(k_up)), 0.0);
   EXPECT_GT(reflected(occluders, target_in_open({{0.0, -4.0, 1.0}}), light, facing(k_up)), 100.0);
 }
@@ -158,7 +158,7 @@ TEST(BouncedLight, where_nothing_stands_around_is_that_of_the_ground) {
   const Occluders occluders(octree_of(points), {});
   const SkyTarget target = target_in_open({{0.0, 0.0, 10.0}});
   for (const double tilt : {0.0, 20.0, 55.0, 90.0}) {
-    SunHoursOptions options = facing(tilted_normal(tilt, 140.0), 0.3);
+    RadiationOptions options = facing(tilted_normal(tilt, 140.0), 0.3);
     const double with = reflected(occluders, target, even_sky(), options);
     options.bounces = 0;
     EXPECT_NEAR(with, reflected(occluders, target, even_sky(), options), 1e-4) << tilt;
@@ -192,10 +192,10 @@ TEST(BouncedLight, is_never_more_than_albedo_times_what_comes_in) {
   add({10, 10, 0.4}, {0, -20, 0}, {0, 0, 8});
   add({-10, -10, 0.4}, {0, 20, 0}, {0, 0, 8});
   const Occluders occluders(octree_of(points), {});
-  const std::vector<SunStep> steps{{180.0, 50.0, 2.0, 800.0, 100.0}, {120.0, 20.0, 1.0, 500.0, 60.0}};
-  const SunLight light = sun_light(steps, 1, {});
+  const std::vector<LitStep> steps{{180.0, 50.0, 2.0, 800.0, 100.0}, {120.0, 20.0, 1.0, 500.0, 60.0}};
+  const EnergyLight light = energy_light(steps, 1, {});
   const std::vector<Radiation> answers =
-      point_sun_hours(occluders, normals, light, {.albedo = 0.7, .bounces = 1});
+      point_radiation(occluders, normals, light, {.albedo = 0.7, .bounces = 1});
   float most = 0.0f;
   double in = 0.0, out = 0.0;
   for (const Radiation& answer : answers) {
@@ -222,22 +222,22 @@ Points yard() {
   return points;
 }
 
-SunLight two_periods() {
-  const std::vector<SunStep> steps{{180.0, 50.0, 2.0, 800.0, 100.0, 1367.0, 0},
+EnergyLight two_periods() {
+  const std::vector<LitStep> steps{{180.0, 50.0, 2.0, 800.0, 100.0, 1367.0, 0},
                                    {120.0, 20.0, 1.0, 500.0, 60.0, 1367.0, 1}};
-  return sun_light(steps, 2, {});
+  return energy_light(steps, 2, {});
 }
 
 TEST(PointSunHours, with_a_bounce_are_those_of_single_targets_and_change_only_reflected_light) {
   const Points points = yard();
   const Occluders occluders(octree_of(points), {});
-  const SunLight light = two_periods();
+  const EnergyLight light = two_periods();
   for (const bool is_tilted : {false, true}) {
-    SunHoursOptions options{.albedo = 0.3};
+    RadiationOptions options{.albedo = 0.3};
     if (is_tilted) options.normal = tilted_normal(40.0, 200.0);
-    const std::vector<Radiation> without = point_sun_hours(occluders, {}, light, options);
+    const std::vector<Radiation> without = point_radiation(occluders, {}, light, options);
     options.bounces = 1;
-    const std::vector<Radiation> with = point_sun_hours(occluders, {}, light, options);
+    const std::vector<Radiation> with = point_radiation(occluders, {}, light, options);
     ASSERT_EQ(with.size(), 2 * points.size());
     for (std::size_t i = 0; i < with.size(); ++i) {
       ASSERT_EQ(with[i].hours, without[i].hours) << i;
@@ -248,7 +248,7 @@ TEST(PointSunHours, with_a_bounce_are_those_of_single_targets_and_change_only_re
       std::vector<SkyTarget> target{target_on_point(occluders, id, points[id], {})};
       find_open_sides(occluders, 64, target);
       std::vector<Radiation> alone(2);
-      sun_hours(occluders, target, light, options, alone);
+      radiation(occluders, target, light, options, alone);
       EXPECT_EQ(with[2 * id].reflected, alone[0].reflected) << id;
       EXPECT_EQ(with[2 * id + 1].reflected, alone[1].reflected) << id;
     }
@@ -259,22 +259,22 @@ TEST(PointSunHours, with_a_bounce_are_the_same_when_the_run_was_stopped_between)
   Points points = yard();
   add_rectangle(points, {-15, -18, 0}, {30, 0, 0}, {0, 12, 0}, 0.5);
   const Occluders occluders(octree_of(points), {});
-  SunLight light = sun_at(180.0, 40.0);
+  EnergyLight light = sun_at(180.0, 40.0);
   // Lights that nothing faces: they make the blocks small.
   light.bins.resize(8192, {{0.0, 0.0, -1.0}, {}});
-  const SunHoursOptions options{.max_distance = 6.0, .bounces = 1};
+  const RadiationOptions options{.max_distance = 6.0, .bounces = 1};
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "bounced_light.state";
   std::filesystem::remove(file);
   const Fingerprint fingerprint{{"command", "sun"}};
   {
     PartCheckpoint parts({.file = file, .interval = 1e-3}, fingerprint);
     const Progress half = [](std::uint64_t done, std::uint64_t total) { return 2 * done < total; };
-    EXPECT_THROW(point_sun_hours(occluders, {}, light, options, {half, &parts}), Cancelled);
+    EXPECT_THROW(point_radiation(occluders, {}, light, options, {half, &parts}), Cancelled);
   }
   PartCheckpoint parts({.file = file, .resume = true}, fingerprint);
   EXPECT_GT(parts.finished(), 0u);
-  const std::vector<Radiation> cut = point_sun_hours(occluders, {}, light, options, {{}, &parts}),
-                               whole = point_sun_hours(occluders, {}, light, options);
+  const std::vector<Radiation> cut = point_radiation(occluders, {}, light, options, {{}, &parts}),
+                               whole = point_radiation(occluders, {}, light, options);
   parts.remove();
   ASSERT_EQ(cut.size(), whole.size());
   for (std::size_t i = 0; i < whole.size(); ++i) ASSERT_EQ(cut[i].reflected, whole[i].reflected) << i;
@@ -290,14 +290,14 @@ TEST(GroundSunHours, with_a_bounce_are_brighter_before_a_sunlit_wall) {
   grid.cell_size = 2.0;
   grid.columns = 1;
   grid.rows = 8;
-  const SunHoursOptions options{.receiver = SkyReceiver::horizontal, .albedo = 0.6, .bounces = 1};
-  const Raster<Radiation> map =
-      ground_sun_hours(occluders, ground, grid, 0.0, sun_at(180.0, 30.0), options).front();
+  const RadiationOptions options{.receiver = SkyReceiver::horizontal, .albedo = 0.6, .bounces = 1};
+  const std::vector<Radiation> map =
+      ground_radiation(occluders, ground, grid, 0.0, sun_at(180.0, 30.0), options);
   const double of_wall = 1000.0 * std::cos(30.0 * k_pi / 180.0);
   for (int row = 0; row < grid.rows; ++row) {
     const double distance = 3.0 + 2.0 * row;
-    EXPECT_NEAR(map.at(0, row).reflected, 0.6 * of_wall * 2.0 * beside_rectangle(12.0, 20.0, distance),
-                0.02 * 0.6 * of_wall)
+    EXPECT_NEAR(map[static_cast<std::size_t>(row)].reflected,
+                0.6 * of_wall * 2.0 * beside_rectangle(12.0, 20.0, distance), 0.02 * 0.6 * of_wall)
         << distance;
   }
 }
@@ -306,7 +306,7 @@ TEST(BouncedLight, with_other_numbers_than_0_or_1_is_an_error) {
   const Occluders occluders(octree_of(wall()), {});
   const SkyTarget target = target_in_open({{0.0, -4.0, 0.0}});
   for (const int bounces : {-1, 2}) {
-    SunHoursOptions options;
+    RadiationOptions options;
     options.bounces = bounces;
     EXPECT_THROW(reflected(occluders, target, even_sky(), options), Error) << bounces;
   }

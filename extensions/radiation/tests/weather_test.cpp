@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sky/weather.h"
+#include "extensions/radiation/weather.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

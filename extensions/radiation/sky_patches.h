@@ -2,7 +2,8 @@
 #pragma once
 
 #include <array>
-#include <glm/vec3.hpp>
+
+#include "visibility/sky/sky_view.h"
 
 // The sky as 145 patches of even radiance, as Tregenza divided it for measurements and Robinson and Stone
 // used it for radiation: rows of 12 degrees with 30, 30, 24, 24, 18, 12 and 6 patches, the middle of the
@@ -13,16 +14,6 @@
 namespace alidade::visibility {
 
 constexpr int k_sky_patches = 145;
-
-/// A part of the sky between two azimuths and two elevations, degrees; azimuths as those of SunStep,
-/// min < max.
-struct SkyCell {
-  double azimuth_min = 0.0, azimuth_max = 360.0, elevation_min = 0.0, elevation_max = 90.0;
-};
-
-/// The integral of the direction over the solid angle of a cell. Its product with the cell's radiance and the
-/// normal of a receiver that faces all of the cell is the irradiance of that receiver.
-glm::dvec3 direction_integral(const SkyCell& cell);
 
 /// Requires 0 <= patch < k_sky_patches; the last one is the cap.
 SkyCell sky_patch(int patch);

@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "visibility/sky/sun_hours.h"
+#include "extensions/radiation/radiation.h"
 
 // Light that reaches a receiver by one reflection at surfaces that the sun and the sky light.
 //
 //   BouncedLight bounced(occluders, light, options, 0.0);
-//   sun_hours(occluders, targets, light, options, answers);  // options.bounces = 0
+//   radiation(occluders, targets, light, options, answers);  // options.bounces = 0
 //   bounced.add(targets, answers);
 
 namespace alidade::visibility {
@@ -30,7 +30,7 @@ namespace alidade::visibility {
 /// - A point without a surface reflects as a small sphere: its irradiance is that of a sphere on average, a
 ///   quarter of the light from all directions.
 /// - Meshes and terrain, and directions below the horizon in which nothing blocks, reflect as open level
-///   ground does: without obstructions this is sun_hours()' own reflected light.
+///   ground does: without obstructions this is radiation()' own reflected light.
 /// Light that is reflected more than once is left out.
 ///
 /// Source: radiosity with one iteration, Goral et al., Modeling the Interaction of Light Between Diffuse
@@ -40,22 +40,22 @@ namespace alidade::visibility {
 /// deviation; at most 0.04) for a level receiver, 0.016 (at most 0.07) for one that faces it.
 class BouncedLight {
  public:
-  /// `options` are those of sun_hours(); `bounces` does not apply. `cell`: of surface points in a cube of
+  /// `options` are those of radiation(); `bounces` does not apply. `cell`: of surface points in a cube of
   /// this width with nearly equal normals, the one with the smallest id represents all; 0: every point is
   /// computed. The references must outlive the object. Cost: with a `cell` 0.2 microseconds per point.
   /// Memory: 8 B per point, or 4 B and 40 B per cube. Errors: cell negative or not finite.
-  BouncedLight(const Occluders& occluders, const SunLight& light, const SunHoursOptions& options,
+  BouncedLight(const Occluders& occluders, const EnergyLight& light, const RadiationOptions& options,
                double cell);
 
-  /// Replaces the reflected light in the answers of sun_hours(), targets times light.periods of them. The
+  /// Replaces the reflected light in the answers of radiation(), targets times light.periods of them. The
   /// result does not depend on earlier calls. Cost: 145 lines per target that find blockers, and the lines
-  /// of sun_hours() for every side that is met for the first time. Memory: 16 B per side and period that
+  /// of radiation() for every side that is met for the first time. Memory: 16 B per side and period that
   /// was met, 2 kB per target.
   void add(std::span<const SkyTarget> targets, std::span<Radiation> answers);
 
-  /// sun_hours() of points of the cloud, without bounces, on their own surfaces. Each side is computed once,
+  /// radiation() of points of the cloud, without bounces, on their own surfaces. Each side is computed once,
   /// also if add() meets it before or after. Requires: the targets are those of target_on_point(), with an
-  /// open front; cell = 0 and no SunHoursOptions::normal; SkyReceiver::surface.
+  /// open front; cell = 0 and no RadiationOptions::normal; SkyReceiver::surface.
   void answer_points(std::span<const SkyTarget> targets, std::span<const std::uint64_t> point_ids,
                      std::span<Radiation> answers);
 
@@ -76,8 +76,8 @@ class BouncedLight {
   void compute_pending();
 
   const Occluders& occluders_;
-  const SunLight& light_;
-  SunHoursOptions options_;
+  const EnergyLight& light_;
+  RadiationOptions options_;
   std::size_t periods_;
   std::vector<Group> groups_;            ///< empty: every point is computed
   std::vector<std::uint32_t> group_of_;  ///< by point id

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sky/bounced_light.h"
+#include "extensions/radiation/bounced_light.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "extensions/radiation/sky_patches.h"
 #include "visibility/point_blocks.h"
-#include "visibility/sky/sky_patches.h"
 
 namespace alidade::visibility {
 namespace {
@@ -73,8 +73,8 @@ struct BouncedLight::Met {
   double weight;
 };
 
-BouncedLight::BouncedLight(const Occluders& occluders, const SunLight& light, const SunHoursOptions& options,
-                           double cell)
+BouncedLight::BouncedLight(const Occluders& occluders, const EnergyLight& light,
+                           const RadiationOptions& options, double cell)
     : occluders_(occluders),
       light_(light),
       options_(options),
@@ -135,7 +135,7 @@ std::uint32_t BouncedLight::slot_of(const Blocker& blocker, const glm::dvec3& di
 }
 
 void BouncedLight::compute_pending() {
-  SunHoursOptions options{
+  RadiationOptions options{
       .receiver = SkyReceiver::surface, .max_distance = options_.max_distance, .albedo = 0.0};
   const auto first_sphere = std::stable_partition(
       pending_.begin(), pending_.end(), [](const PendingSide& side) { return side.target.has_surface(); });
@@ -149,7 +149,7 @@ void BouncedLight::compute_pending() {
     targets.clear();
     for (std::size_t i = begin; i < end; ++i) targets.push_back(pending_[i].target);
     answers.assign(targets.size() * periods_, {});
-    sun_hours(occluders_, targets, light_, options, answers);
+    radiation(occluders_, targets, light_, options, answers);
     for (std::size_t i = begin; i < end; ++i)
       std::copy_n(answers.begin() + static_cast<std::ptrdiff_t>((i - begin) * periods_), periods_,
                   energies_.begin() + static_cast<std::ptrdiff_t>(pending_[i].slot * periods_));
@@ -232,7 +232,7 @@ void BouncedLight::answer_points(std::span<const SkyTarget> targets, std::span<c
   }
   compute_pending();
   std::vector<Radiation> of_alone(alone.size() * periods_);
-  sun_hours(occluders_, alone, light_, options_, of_alone);
+  radiation(occluders_, alone, light_, options_, of_alone);
   auto next = of_alone.cbegin();
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const bool is_kept = of_target[i] != k_no_slot;
