@@ -78,8 +78,6 @@ struct PartsOptions {
   bool resume = false;     ///< whether to resume from the file if it exists; else it is replaced
   /// Called when writing fails: the run continues, and the parts concerned count as not finished.
   std::function<void(const Error&)> failed{};
-  /// Whether to stop. Only ScratchCheckpoint calls it, while it compares kept bytes.
-  std::function<bool()> is_interrupted{};
 };
 
 /// The finished parts of a run. To be used by one thread at a time.

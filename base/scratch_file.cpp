@@ -2,7 +2,6 @@
 #include "base/scratch_file.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -15,7 +14,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/fingerprint.h"
 
 namespace alidade {
 namespace {
@@ -70,43 +68,30 @@ std::filesystem::path temporary_folder() {
                    "the environment variable TMPDIR to name a folder", error.message());
 }
 
-ScratchFile::ScratchFile(const std::filesystem::path& path, std::uint64_t kept)
-    : folder_(path.parent_path()), is_named_(true), size_(kept) {
-  descriptor_ =
-      FileDescriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
-  if (!descriptor_.is_open()) throw system_error(path.string(), "cannot write the file");
-  const std::uint64_t size = descriptor_.size_of_regular(path.string());
-  if (size < kept)
-    throw file_error(path, "corrupt checkpoint: truncated file", fmt::format("at least {} bytes", kept),
-                     std::to_string(size));
-  if (::ftruncate(descriptor_.number(), static_cast<::off_t>(kept)) != 0)
-    throw system_error(path.string(), "cannot write the file");
-}
-
 ScratchFile::~ScratchFile() {
   if (mapped_) ::munmap(mapped_, size_);
 }
 
 ScratchFile::ScratchFile(ScratchFile&& other) noexcept
     : folder_(std::move(other.folder_)),
-      is_named_(other.is_named_),
       descriptor_(std::move(other.descriptor_)),
       size_(std::exchange(other.size_, 0)),
-      sums_(std::move(other.sums_)),
       mapped_(std::exchange(other.mapped_, nullptr)) {}
 
 ScratchFile& ScratchFile::operator=(ScratchFile&& other) noexcept {
   std::swap(folder_, other.folder_);
-  std::swap(is_named_, other.is_named_);
   std::swap(descriptor_, other.descriptor_);
   std::swap(size_, other.size_);
-  std::swap(sums_, other.sums_);
   std::swap(mapped_, other.mapped_);
   return *this;
 }
 
 void ScratchFile::fail(const char* problem) const {
   fail_in(folder_, problem);
+}
+
+void ScratchFile::fail_to_write() const {
+  fail(k_no_write);
 }
 
 void ScratchFile::open() {
@@ -119,11 +104,10 @@ void ScratchFile::append(std::span<const std::byte> bytes) {
     const ::ssize_t count =
         ::pwrite(descriptor_.number(), bytes.data(), bytes.size(), static_cast<::off_t>(size_));
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(k_no_write);
+    if (count < 0) fail_to_write();
     bytes = bytes.subspan(static_cast<std::size_t>(count));
     size_ += static_cast<std::uint64_t>(count);
   }
-  sum_blocks();
 }
 
 void ScratchFile::append_zeros(std::uint64_t count) {
@@ -140,47 +124,18 @@ void ScratchFile::read(std::uint64_t offset, std::span<std::byte> into) const {
 void ScratchFile::cut(std::uint64_t kept) {
   assert(kept <= size_ && !mapped_);
   if (kept == size_) return;
-  if (::ftruncate(descriptor_.number(), static_cast<::off_t>(kept)) != 0) fail(k_no_write);
+  if (::ftruncate(descriptor_.number(), static_cast<::off_t>(kept)) != 0) fail_to_write();
   size_ = kept;
-  sums_.resize(std::min<std::size_t>(sums_.size(), size_ / k_checksum_block));
-}
-
-std::uint64_t ScratchFile::sum_of(std::uint64_t offset, std::uint64_t count) const {
-  std::vector<std::byte> bytes(count);
-  read(offset, bytes);
-  return alidade::checksum(bytes);
-}
-
-/// Called soon after blocks were written, as long as the system has them in memory.
-void ScratchFile::sum_blocks(const std::function<bool()>& is_interrupted) {
-  if (!is_named_) return;
-  while (sums_.size() < size_ / k_checksum_block) {
-    if (is_interrupted && is_interrupted()) throw Cancelled();
-    sums_.push_back(sum_of(sums_.size() * k_checksum_block, k_checksum_block));
-  }
-}
-
-std::uint64_t ScratchFile::checksum(const std::function<bool()>& is_interrupted) {
-  assert(is_named_);
-  sum_blocks(is_interrupted);
-  std::vector<std::uint64_t> sums = sums_;
-  const std::uint64_t rest = sums.size() * k_checksum_block;
-  sums.push_back(sum_of(rest, size_ - rest));
-  return alidade::checksum(std::as_bytes(std::span(sums)));
-}
-
-void ScratchFile::sync() const {
-  if (descriptor_.is_open() && ::fdatasync(descriptor_.number()) != 0) fail(k_no_write);
 }
 
 std::span<std::byte> ScratchFile::map() {
+  return map(PROT_READ | PROT_WRITE, MAP_SHARED);
+}
+
+std::span<std::byte> ScratchFile::map(int protection, int flags) {
   if (size_ == 0) return {};
   if (!mapped_) {
-    // The system might have to hold every page of a private map that can be written: it does not map one
-    // larger than memory. Of a shared one, discard_scratch_pages() would remove the bytes.
-    void* const mapped =
-        is_named_ ? ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor_.number(), 0)
-                  : ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_.number(), 0);
+    void* const mapped = ::mmap(nullptr, size_, protection, flags, descriptor_.number(), 0);
     if (mapped == MAP_FAILED) fail("cannot map a temporary file in this folder");
     mapped_ = static_cast<std::byte*>(mapped);
   }

@@ -4,10 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/input_file.h"
 
@@ -22,15 +20,12 @@ struct ScratchSpace {
 /// The folder for temporary files of commands without an output: TMPDIR, or /tmp. Errors: it is not a folder.
 std::filesystem::path temporary_folder();
 
-/// A file for data that memory does not hold, as a rule without a name: removed with the object, also if the
-/// program is killed.
+/// A file without a name for data that memory does not hold: removed with the object, also if the program is
+/// killed.
 class ScratchFile {
  public:
   /// A file in this folder, made when the first bytes come.
   explicit ScratchFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  /// A file with a name, which stays; it is made if it is missing, and cut to its first `kept` bytes. Links
-  /// are not followed. Errors: it has fewer; it cannot be written.
-  ScratchFile(const std::filesystem::path& path, std::uint64_t kept);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;
   ScratchFile& operator=(ScratchFile&& other) noexcept;
@@ -46,30 +41,24 @@ class ScratchFile {
 
   /// Cuts the file to its first `kept` bytes, which it must have. Errors: the system cannot.
   void cut(std::uint64_t kept);
-  /// Waits until the bytes are on the disk. Errors: they cannot be written.
-  void sync() const;
-  /// Checksum of all bytes of a file with a name, however they were appended. Cost: at most 1 MiB is read of
-  /// the bytes that this object has appended, and all others. `is_interrupted`, if given, is called for every
-  /// MiB of these and returns whether to stop. Errors: as read(). Cancelled.
-  std::uint64_t checksum(const std::function<bool()>& is_interrupted = {});
 
-  /// All bytes written so far, mapped into memory. Changes go to the file; the map of a file with a name is
-  /// read-only, and discarding its bytes does not remove them from the file. The map stays until the object
-  /// is gone; nothing may be appended any more. On file systems that write changed pages elsewhere (Btrfs,
-  /// ZFS), a full disk then ends the program (SIGBUS). Errors: the system cannot map them.
+  /// All bytes written so far, mapped into memory. Changes go to the file. The map stays until the object is
+  /// gone; nothing may be appended any more. On file systems that write changed pages elsewhere (Btrfs, ZFS),
+  /// a full disk then ends the program (SIGBUS). Errors: the system cannot map them.
   std::span<std::byte> map();
+
+ protected:
+  std::span<std::byte> map(int protection, int flags);
+  [[noreturn]] void fail(const char* problem) const;
+  [[noreturn]] void fail_to_write() const;
+
+  std::filesystem::path folder_;
+  FileDescriptor descriptor_;
+  std::uint64_t size_ = 0;
 
  private:
   void open();
-  void sum_blocks(const std::function<bool()>& is_interrupted = {});
-  std::uint64_t sum_of(std::uint64_t offset, std::uint64_t count) const;
-  [[noreturn]] void fail(const char* problem) const;
 
-  std::filesystem::path folder_;
-  bool is_named_ = false;
-  FileDescriptor descriptor_;
-  std::uint64_t size_ = 0;
-  std::vector<std::uint64_t> sums_;  ///< of the whole blocks of one with a name
   std::byte* mapped_ = nullptr;
 };
 
@@ -81,8 +70,8 @@ void* map_scratch_pages(std::size_t byte_count, const std::filesystem::path& fol
 /// and none ahead that would displace those needed next. For files that are larger than memory.
 void expect_random_reads(std::span<const std::byte> bytes) noexcept;
 
-/// Removes bytes of a mapped scratch file from memory, and from the disk if it has no name, as far as they
-/// fill whole pages and the file system supports it (ext4, XFS, Btrfs, tmpfs).
+/// Removes bytes of a mapped scratch file from memory, and from the disk if the map can be written to, as far
+/// as they fill whole pages and the file system supports it (ext4, XFS, Btrfs, tmpfs).
 void discard_scratch_pages(std::span<const std::byte> bytes) noexcept;
 
 }  // namespace alidade

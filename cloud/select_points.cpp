@@ -13,7 +13,6 @@
 #include "base/huge_memory.h"
 #include "base/parallel.h"
 #include "cloud/rows.h"
-#include "cloud/scratch_cloud.h"
 
 namespace alidade {
 
@@ -54,14 +53,6 @@ void keep_where(PointCloud& cloud, const Stays& stays, const Progress& progress)
 }
 
 constexpr std::uint64_t k_most = std::numeric_limits<std::uint32_t>::max();
-
-/// The columns that thinning reads and averages.
-struct ThinnedColumns {
-  Lattice lattice;
-  std::span<const LatticePosition> positions;
-  std::span<Color16> colors;
-  std::span<std::uint16_t> near_infrared, intensities;
-};
 
 /// A point and its cube, counted from the lowest one of the cloud.
 struct Entry {
@@ -181,28 +172,6 @@ void choose_in(const ThinnedColumns& cloud, std::span<const Entry> entries, std:
     choose(cloud, entries.subspan(first, behind - first), marks);
     first = behind;
   }
-}
-
-/// Marks of the rows that are kept, whose values become the means.
-HugeVector<std::uint8_t> thinned(const ThinnedColumns& cloud, double edge, const ScratchFolder& scratch,
-                                 const Progress& progress) {
-  if (!(edge > 0.0 && std::isfinite(edge))) {
-    throw Error(
-        {.problem = "invalid spacing", .expected = "a positive length", .found = fmt::format("{}", edge)});
-  }
-  const std::size_t size = cloud.positions.size();
-  if (size > k_most) {
-    throw Error({.problem = "too many points to thin",
-                 .expected = fmt::format("at most {}", k_most),
-                 .found = std::to_string(size)});
-  }
-  HugeVector<std::uint8_t> marks(size, 0, scratch);
-  if (size == 0) return marks;
-  const HugeArray<Entry> entries = sorted_entries(cloud, edge, scratch, progress);
-  for_parts(size, progress, [&](std::size_t begin, std::size_t end) {
-    choose_in(cloud, {entries.data(), size}, begin, end, marks);
-  });
-  return marks;
 }
 
 }  // namespace
@@ -336,20 +305,31 @@ void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progr
       progress);
 }
 
+HugeVector<std::uint8_t> mark_thinned(const ThinnedColumns& cloud, double edge, const ScratchFolder& scratch,
+                                      const Progress& progress) {
+  if (!(edge > 0.0 && std::isfinite(edge))) {
+    throw Error(
+        {.problem = "invalid spacing", .expected = "a positive length", .found = fmt::format("{}", edge)});
+  }
+  const std::size_t size = cloud.positions.size();
+  if (size > k_most) {
+    throw Error({.problem = "too many points to thin",
+                 .expected = fmt::format("at most {}", k_most),
+                 .found = std::to_string(size)});
+  }
+  HugeVector<std::uint8_t> marks(size, 0, scratch);
+  if (size == 0) return marks;
+  const HugeArray<Entry> entries = sorted_entries(cloud, edge, scratch, progress);
+  for_parts(size, progress, [&](std::size_t begin, std::size_t end) {
+    choose_in(cloud, {entries.data(), size}, begin, end, marks);
+  });
+  return marks;
+}
+
 void thin(PointCloud& cloud, double edge, const Progress& progress) {
   const ThinnedColumns columns{cloud.lattice, cloud.positions, cloud.colors, cloud.near_infrared,
                                cloud.intensities};
-  keep_rows(cloud, thinned(columns, edge, {}, progress));
-}
-
-void thin(ScratchCloud& cloud, double edge, const Progress& progress) {
-  const ThinnedColumns columns{cloud.facts().lattice, cloud.positions(),
-                               cloud.column_of<Color16>(Attribute::color),
-                               cloud.column_of<std::uint16_t>(Attribute::near_infrared),
-                               cloud.column_of<std::uint16_t>(Attribute::intensity)};
-  const auto marks = thinned(columns, edge, cloud.folder(), progress);
-  const std::uint64_t count = marks.size();
-  cloud.keep_rows(marks, [&](std::uint64_t, std::uint64_t) { return !progress || progress(count, count); });
+  keep_rows(cloud, mark_thinned(columns, edge, {}, progress));
 }
 
 }  // namespace alidade

@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "base/bounds.h"
+#include "base/huge_memory.h"
 #include "base/progress.h"
 #include "cloud/point_cloud.h"
 
 namespace alidade {
-
-class ScratchCloud;
 
 /// A polygon in the plane, in world units. The last corner of a ring is joined to its first. Positions inside
 /// an odd number of rings are inside, so that rings inside others are holes, whatever their orientation.
@@ -40,10 +39,22 @@ void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progr
 /// the cube's points. Points keep their order. The result does not depend on the number of threads, and on
 /// the order of points only if several are equally near.
 ///
-/// `progress` is in points. Memory: 17 B per point; for a ScratchCloud on the disk. Cost: that of sorting.
+/// `progress` is in points. Memory: 17 B per point. Cost: that of sorting.
 /// Errors: an edge that is not a positive number; more than 2^32 - 1 cubes along an axis; more than 2^32 - 1
 /// points.
 void thin(PointCloud& cloud, double edge, const Progress& progress = {});
-void thin(ScratchCloud& cloud, double edge, const Progress& progress = {});
+
+/// The columns that thinning reads and averages.
+struct ThinnedColumns {
+  Lattice lattice;
+  std::span<const LatticePosition> positions;
+  std::span<Color16> colors;
+  std::span<std::uint16_t> near_infrared, intensities;
+};
+
+/// The marks of the rows that thin() keeps, whose values become the means. Memory: that of thin(), in
+/// `scratch`. Errors: as thin(); those of scratch files.
+HugeVector<std::uint8_t> mark_thinned(const ThinnedColumns& cloud, double edge, const ScratchFolder& scratch,
+                                      const Progress& progress = {});
 
 }  // namespace alidade

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "cloud/crs.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/visibility_cloud.h"

@@ -17,6 +17,7 @@
 #include "image/read_image.h"
 #include "jobs/camera_file.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/observer_request.h"

@@ -12,6 +12,7 @@
 #include "extensions/placement/coverage_image.h"
 #include "image/image_file.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/row_output.h"

@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <span>
-#include <type_traits>
 #include <utility>
 
 #include "base/error.h"
@@ -23,6 +22,7 @@
 #include "geo/reproject.h"
 #include "jobs/cloud_fields.h"
 #include "jobs/clouds/index.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/write_points.h"
@@ -82,21 +82,18 @@ bool is_large(const ConvertRequest& request) {
 
 /// Thins the cloud.
 void choose_points(HeldCloud& held, const ConvertRequest& request, Listener& listener) {
-  const auto choose = [&](auto& cloud) {
-    if (request.every > 1) {
-      if constexpr (std::is_same_v<decltype(cloud), ScratchCloud&>)
-        in_stage(listener, "choosing", "points",
-                 [&](const Progress& progress) { keep_every(cloud, request.every, progress); });
-      else
-        keep_every(cloud, request.every);
-    }
-    if (request.spacing) {
-      in_stage(listener, "thinning", "points", [&](const Progress& progress) {
-        with_file(request.files.title(), [&] { thin(cloud, *request.spacing, progress); });
-      });
-    }
-  };
-  std::visit(choose, held);
+  LargeCloud* const large = large_of(held);
+  if (request.every > 1 && large == nullptr) keep_every(std::get<PointCloud>(held), request.every);
+  if (request.every > 1 && large != nullptr)
+    in_stage(listener, "choosing", "points",
+             [&](const Progress& progress) { large->keep_every(request.every, progress); });
+  if (!request.spacing) return;
+  in_stage(listener, "thinning", "points", [&](const Progress& progress) {
+    with_file(request.files.title(), [&] {
+      large != nullptr ? large->thin(*request.spacing, progress)
+                       : thin(std::get<PointCloud>(held), *request.spacing, progress);
+    });
+  });
 }
 
 /// Calls work(first, end) for pieces of so many rows, until the job stops. Errors: Cancelled.
@@ -135,28 +132,29 @@ void measure_normals(const Octree& built, const PointColumns& points,
   });
 }
 
-/// The octree over positions that are kept: of a cloud in scratch files, a copy is used up.
-Octree built(HeldCloud& held, const std::optional<ScratchSpace>& scratch, Listener& listener) {
+/// The octree over positions that are kept: of a large cloud, a copy is used up.
+Octree built(HeldCloud& held, Listener& listener) {
+  LargeCloud* const large = large_of(held);
   const PointColumns points = points_of(held);
   HugeArray<LatticePosition> copy;
-  if (scratch) {
-    copy = HugeArray<LatticePosition>(points.size(), scratch->folder);
+  if (large != nullptr) {
+    copy = HugeArray<LatticePosition>(points.size(), large->scratch().folder);
     in_pieces(points.size(), listener, [&](std::size_t first, std::size_t end) {
       std::ranges::copy(points.positions.subspan(first, end - first), copy.data() + first);
     });
   }
   return in_stage(listener, "building", "points", [&](const Progress& progress) {
-    if (!scratch) return build(std::as_const(std::get<PointCloud>(held)), {.progress = progress});
-    return build_in_scratch(points.lattice, {copy.data(), copy.size()}, *scratch, {.progress = progress});
+    if (large == nullptr) return build(std::as_const(std::get<PointCloud>(held)), {.progress = progress});
+    return build_in_scratch(points.lattice, {copy.data(), copy.size()}, large->scratch(),
+                            {.progress = progress});
   });
 }
 
-void add_normals(HeldCloud& held, const std::optional<ScratchSpace>& scratch, Listener& listener) {
-  const Octree octree = built(held, scratch, listener);
+void add_normals(HeldCloud& held, Listener& listener) {
+  const Octree octree = built(held, listener);
   std::span<glm::vec3> normals;
-  if (auto* const cloud = std::get_if<ScratchCloud>(&held)) {
-    cloud->add_normals();
-    normals = cloud->column_of<glm::vec3>(Attribute::normal);
+  if (LargeCloud* const large = large_of(held)) {
+    normals = large->add_normals();
   } else {
     std::vector<glm::vec3>& column = std::get<PointCloud>(held).normals;
     column.resize(octree.size());
@@ -165,20 +163,19 @@ void add_normals(HeldCloud& held, const std::optional<ScratchSpace>& scratch, Li
   measure_normals(octree, points_of(held), facts_of(held).scanner_positions, normals, listener);
 }
 
-/// All rows of a cloud in memory at once; of one in scratch files so many.
+/// All rows of a cloud in memory at once; of a large one so many.
 PointPieces pieces_of(HeldCloud& held, std::size_t rows_at_once) {
   if (const auto* const cloud = std::get_if<PointCloud>(&held))
     return [cloud](std::size_t) -> const PointCloud& { return *cloud; };
-  return [&cloud = std::get<ScratchCloud>(held), rows_at_once,
+  return [large = large_of(held), size = points_of(held).size(), rows_at_once,
           some = PointCloud()](std::size_t first) mutable -> const PointCloud& {
-    return some = cloud.rows(first, std::min(rows_at_once, cloud.size() - first));
+    return some = large->rows(first, std::min(rows_at_once, size - first));
   };
 }
 
-void write(const ConvertRequest& request, HeldCloud& held, const std::optional<ScratchSpace>& scratch,
-           Listener& listener) {
+void write(const ConvertRequest& request, HeldCloud& held, Listener& listener) {
   if (has_extension(request.output, {".alidade"})) {
-    write_index(request.output, held, {}, request.overwrite, scratch, listener);
+    write_index(request.output, held, {}, request.overwrite, listener);
     return;
   }
   // The formats of files copy rows, and others sort them.
@@ -198,7 +195,7 @@ void write(const ConvertRequest& request, HeldCloud& held, const std::optional<S
   in_stage(listener, "writing", "points", [&](const Progress& progress) {
     const OpenStore output = store->open(target_of(request));
     const auto sorted = [&] {
-      if (!scratch) return database::OrderedCloud(facts);
+      if (large_of(held) == nullptr) return database::OrderedCloud(facts);
       // Merging takes memory for each piece.
       const PointPieces pieces = pieces_of(held, room);
       return database::OrderedCloud(output.folder, facts, count, [&](std::size_t first) -> const PointCloud& {
@@ -305,7 +302,10 @@ ConvertResult run(const ConvertPlan& plan, Listener& listener) {
   if (only_packing_changes(request)) return repack(request, listener);
   if (store != nullptr && !chooses_points(request)) return convert_sorted(request, *store, listener);
   std::optional<ScratchSpace> scratch;
-  if (is_large(request)) {
+  const bool exceeds_memory = is_large(request);
+  if (exceeds_memory && large_clouds() == nullptr) {
+    listener.note("the points exceed --memory and lie in memory, as the extension scratch is missing");
+  } else if (exceeds_memory) {
     scratch = scratch_beside(request.output, memory_of(request) / 2);
     listener.note("the points exceed --memory and lie in temporary files in " + scratch->folder.string());
   }
@@ -317,8 +317,8 @@ ConvertResult run(const ConvertPlan& plan, Listener& listener) {
   const PointColumns points = points_of(cloud);
   const std::size_t count = points.size();
   const Bounds bounds = bounds_of(points.lattice, points.positions);
-  if (request.normals && count > 0) add_normals(cloud, scratch, listener);
-  write(request, cloud, scratch, listener);
+  if (request.normals && count > 0) add_normals(cloud, listener);
+  write(request, cloud, listener);
   return result_of(request, count, before, facts_of(cloud).files, bounds, listener);
 }
 

@@ -5,12 +5,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/scratch_file.h"
 #include "cloud/read_cloud.h"
 #include "jobs/cloud_request.h"
 #include "jobs/fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/listener.h"
-#include "jobs/load_cloud.h"
 #include "jobs/long_run.h"
 #include "jobs/plan.h"
 #include "octree/build.h"
@@ -26,12 +25,12 @@ struct IndexContents {
   bool surfaces = false;                    ///< so are the surfaces that points lie on, and their spacings
 };
 
-/// An index file of a cloud. With `memory`, the points lie in scratch files.
+/// An index file of a cloud. With `memory`, the points lie in scratch files (jobs/large_clouds.h).
 struct IndexRequest : CloudRequest {
   IndexContents contents;
   ColorDepth color_depth = ColorDepth::automatic;
   AttributeSet attributes = AttributeSet::all();  ///< to keep
-  CheckpointRequest checkpoint;                   ///< a folder; requires `memory`
+  CheckpointRequest checkpoint;                   ///< of LargeClouds, a folder; requires `memory`
 };
 
 /// Declares all fields.
@@ -55,13 +54,13 @@ struct IndexResult {
 /// Reads the cloud, and does write_index(). With a checkpoint, points of an earlier run are not read again:
 /// it is valid for the same files, by name, size and time of the last change (remote ones: the server's
 /// version), the same version of the program, and the same fields but for threads, memory, and names of
-/// outputs. Errors: those of reading; no room for temporary files; those of ScratchCheckpoint. Cancelled.
+/// outputs. Errors: those of reading; no room for temporary files; those of the checkpoint. Cancelled.
 IndexResult run(const IndexPlan& plan, Listener& listener);
 
 /// Builds the octree over a cloud, measures what is requested, writes the index file, and notes its size. The
-/// positions of a cloud in memory are moved into the octree; a cloud in scratch files requires `scratch`, and
-/// contents without stored order. Errors: as build() and save_index().
+/// positions of a cloud in memory are moved into the octree; a large cloud requires contents without stored
+/// order. Errors: as build() and save_index().
 IndexResult write_index(const std::filesystem::path& path, HeldCloud& cloud, const IndexContents& contents,
-                        bool overwrite, const std::optional<ScratchSpace>& scratch, Listener& listener);
+                        bool overwrite, Listener& listener);
 
 }  // namespace alidade::jobs

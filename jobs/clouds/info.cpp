@@ -18,6 +18,7 @@
 #include "cloud/copc/copc_file.h"
 #include "cloud/crs.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "octree/index_file/index_header.h"
@@ -34,7 +35,7 @@ HeldCloud read_points(const InfoRequest& request, Listener& listener) {
       request.stats ? AttributeSet::all() : Attribute::color | Attribute::extra_dimensions;
   std::optional<ScratchSpace> scratch;
   const std::size_t memory = request.memory.value_or(std::size_t{4} << 30);
-  if (StatedSize size = stated_size(request.files); size.bytes() > memory) {
+  if (StatedSize size = stated_size(request.files); large_clouds() != nullptr && size.bytes() > memory) {
     scratch = ScratchSpace{temporary_folder(), memory};
     size.attributes.bits &= wanted.bits;
     if (knows_point_count(request.files, request.partial, size))
@@ -124,7 +125,7 @@ glm::dvec3 rounding_error(const PointCloud& facts, const glm::dvec3& resolution)
 
 /// The columns go, the facts stay.
 PointCloud without_points(HeldCloud&& held) {
-  if (const auto* const scratch = std::get_if<ScratchCloud>(&held)) return scratch->facts();
+  if (const LargeCloud* const large = large_of(held)) return large->facts();
   PointCloud facts = std::move(std::get<PointCloud>(held));
   facts.positions = {};
   for_each_column(facts, [](Attribute, auto& column) { column = {}; });
@@ -298,11 +299,12 @@ void add_info_fields(const Fields& fields, InfoRequest& request) {
       "also read all attributes: density, dates, histograms of classes, returns and flags, and the range, "
       "quantiles and mean of every column",
       request.stats);
-  fields.value(
-      "--memory", "SIZE",
-      "memory for points: bytes, or a number with k, M, G or T (default: 4G); those of a larger cloud "
-      "use temporary files in TMPDIR",
-      request.memory, parse_memory);
+  if (large_clouds() != nullptr)
+    fields.value(
+        "--memory", "SIZE",
+        "memory for points: bytes, or a number with k, M, G or T (default: 4G); those of a larger cloud "
+        "use temporary files in TMPDIR",
+        request.memory, parse_memory);
   fields.flag("--verify",
               "read each index file completely, compare it with its checksums, and check that its octree "
               "contains every point once; errors name section and byte",

@@ -15,6 +15,7 @@
 #include "geo/gdal_library.h"
 #include "image/image_file.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/row_output.h"

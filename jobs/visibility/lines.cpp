@@ -15,6 +15,7 @@
 #include "base/huge_memory.h"
 #include "geo/earth.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/observer_request.h"

@@ -13,6 +13,7 @@
 #include "base/output_file.h"
 #include "base/words.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/run_fingerprint.h"

@@ -11,6 +11,7 @@
 #include "base/shown_text.h"
 #include "geo/raster_file.h"
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/run_fingerprint.h"

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/words.h"
 #include "geo/raster_file.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/observer_request.h"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "jobs/cloud_fields.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/visibility/row_output.h"

@@ -9,6 +9,7 @@
 #include "base/words.h"
 #include "cloud/input_view.h"
 #include "geo/raster_file.h"
+#include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/mesh_files.h"
 #include "octree/point_surface.h"

@@ -17,7 +17,6 @@
 #include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
-#include "cloud/scratch_cloud.h"
 #include "octree/index_file/check_tree.h"
 #include "octree/index_file/index_header.h"
 #include "octree/index_file/index_metadata.h"
@@ -375,7 +374,7 @@ CloudFormats index_and_file_formats() {
 }
 
 AttributeColumns IndexedCloud::columns() const {
-  return index ? index->columns() : scratch ? scratch->columns() : columns_of(cloud);
+  return index ? index->columns() : large ? large->columns() : columns_of(cloud);
 }
 
 IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options) {
@@ -398,8 +397,8 @@ IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptio
     return !options.read.progress || options.read.progress(bytes, all_bytes);
   };
   if (options.scratch) {
-    loaded.scratch = std::make_shared<ScratchCloud>(inputs, read, *options.scratch);
-    loaded.cloud = loaded.scratch->facts();
+    loaded.large = options.read_large(inputs, read, *options.scratch);
+    loaded.cloud = loaded.large->facts();
   } else {
     loaded.cloud = read_cloud(inputs, read);
   }
@@ -407,7 +406,7 @@ IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptio
   if (!build_options.progress) {
     build_options.progress = [&](std::uint64_t, std::uint64_t) { return read.progress(done, total); };
   }
-  loaded.octree = options.scratch ? build_in_scratch(loaded.cloud.lattice, loaded.scratch->positions(),
+  loaded.octree = options.scratch ? build_in_scratch(loaded.cloud.lattice, loaded.large->positions(),
                                                      *options.scratch, build_options)
                                   : build(std::move(loaded.cloud), build_options);
   if (options.scratch) prepare_for_queries(loaded.octree);

@@ -11,6 +11,7 @@
 #include "base/progress.h"
 #include "base/scratch_file.h"
 #include "cloud/cloud_inputs.h"
+#include "cloud/large_cloud.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
 #include "octree/build.h"
@@ -41,7 +42,6 @@
 namespace alidade {
 
 struct IndexHeader;
-class ScratchCloud;
 
 /// An open index file. Copies share the map; safe to use from many threads.
 class IndexFile {
@@ -102,8 +102,8 @@ struct IndexedCloud {
   Octree octree;
   /// The metadata of the files; the attribute columns if they were read; no positions.
   PointCloud cloud;
-  std::optional<IndexFile> index;         ///< the columns lie in here if it is there
-  std::shared_ptr<ScratchCloud> scratch;  ///< or in here
+  std::optional<IndexFile> index;     ///< the columns lie in here if it is there
+  std::shared_ptr<LargeCloud> large;  ///< or in here
 
   /// The attribute columns, wherever they are; valid as long as this object is neither moved nor changed.
   AttributeColumns columns() const;
@@ -113,15 +113,16 @@ struct IndexCloudOptions {
   ReadOptions read{};    ///< attributes and colour depth; an index file gives all that it has, unchanged
   BuildOptions build{};  ///< of files that have no octree yet
   /// For clouds larger than memory: points and octree lie in scratch files, and so does what is measured
-  /// later.
+  /// later. Requires `read_large`, which an extension has.
   std::optional<ScratchSpace> scratch{};
+  ReadLargeCloud read_large = nullptr;
 };
 
 /// Loads clouds for queries: a single index file is mapped and checked (IndexFile::tree), unless its heights
 /// are wanted in another unit; anything else goes through read_cloud() and build(). read.progress is in
 /// bytes; while the octree is built it repeats the last numbers. `cloud.files` are the files that the points
 /// come from, also those an index was made of. Errors: as read_cloud(), build() and open_index(). Memory: for
-/// an index file about 1 B per point; with IndexCloudOptions::scratch what ScratchCloud and
+/// an index file about 1 B per point; with IndexCloudOptions::scratch what `read_large` and
 /// build_in_scratch() take.
 IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options = {});
 

@@ -2,8 +2,6 @@
 #include "base/scratch_file.h"
 
 #include <gtest/gtest.h>
-#include <sys/sysinfo.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
-#include <system_error>
 #include <vector>
 
 #include "base/error.h"
@@ -75,80 +72,6 @@ TEST_F(ScratchFileTest, names_the_folder_that_it_cannot_write_to) {
     EXPECT_NE(std::string(error.what()).find("missing"), std::string::npos) << error.what();
   }
   EXPECT_THROW(map_scratch_pages(1 << 22, folder_ / "missing"), Error);
-}
-
-TEST_F(ScratchFileTest, with_a_name_stays_and_loses_nothing_to_its_map) {
-  const std::filesystem::path path = folder_ / "rows";
-  const std::vector<std::byte> sevens(10'000, std::byte{7});
-  {
-    ScratchFile file(path, 0);
-    file.append(sevens);
-    file.sync();
-  }
-  {
-    ScratchFile file(path, 9'000);
-    const std::span<std::byte> map = file.map();
-    ASSERT_EQ(map.size(), 9'000u);
-    discard_scratch_pages(map);
-    EXPECT_EQ(map[5'000], std::byte{7});
-  }
-  EXPECT_EQ(std::filesystem::file_size(path), 9'000u);
-  ScratchFile file(path, 8'000), other(folder_);
-  file.append_zeros(1);
-  other = std::move(file);
-  std::array<std::byte, 2> found{};
-  other.read(7'999, found);
-  EXPECT_EQ(found, (std::array<std::byte, 2>{std::byte{7}, std::byte{0}}));
-  other.read(0, found);
-  EXPECT_EQ(found[0], std::byte{7});
-  EXPECT_THROW(ScratchFile(path, 8'002), Error);
-}
-
-TEST_F(ScratchFileTest, with_a_name_is_mapped_even_if_it_exceeds_the_memory) {
-  const std::filesystem::path path = folder_ / "rows";
-  const auto memory = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
-                      static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  struct sysinfo system {};
-  ASSERT_EQ(::sysinfo(&system), 0);
-  const std::uint64_t bytes = 2 * (memory + system.totalswap * system.mem_unit);
-  std::ofstream(path).close();
-  std::error_code error;
-  std::filesystem::resize_file(path, bytes, error);
-  if (error) GTEST_SKIP() << "the file system has no sparse files of this size";
-  ScratchFile file(path, bytes);
-  EXPECT_EQ(file.map().size(), bytes);
-  EXPECT_EQ(file.map()[bytes - 1], std::byte{0});
-}
-
-TEST_F(ScratchFileTest, with_a_name_has_a_checksum_of_its_bytes_however_they_came) {
-  const std::vector<std::byte> sevens(3'000'000, std::byte{7});
-  const std::filesystem::path path = folder_ / "a";
-  ScratchFile one(path, 0), other(folder_ / "b", 0);
-  one.append(sevens);
-  one.append_zeros(2'000'000);
-  const std::uint64_t sum = one.checksum();
-  for (std::size_t i = 0; i < 10; ++i) other.append(std::span(sevens).subspan(i * 300'000, 300'000));
-  const std::uint64_t half = other.checksum();
-  EXPECT_NE(half, sum);
-  other.append_zeros(2'000'000);
-  EXPECT_EQ(other.checksum(), sum);
-  other.append_zeros(5);
-  other.cut(3'000'000);
-  EXPECT_EQ(std::filesystem::file_size(folder_ / "b"), 3'000'000u);
-  EXPECT_EQ(other.checksum(), half);
-  EXPECT_EQ(ScratchFile(path, 5'000'000).checksum(), sum);
-  {
-    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
-    file.seekp(1'234'567).put('\0');
-  }
-  EXPECT_NE(ScratchFile(path, 5'000'000).checksum(), sum);
-}
-
-TEST_F(ScratchFileTest, with_a_name_follows_no_link) {
-  std::ofstream(folder_ / "precious") << "text";
-  std::filesystem::create_symlink("precious", folder_ / "rows");
-  EXPECT_THROW(ScratchFile(folder_ / "rows", 0), Error);
-  EXPECT_EQ(std::filesystem::file_size(folder_ / "precious"), 4u);
 }
 
 TEST_F(ScratchFileTest, holds_large_arrays) {

@@ -194,18 +194,6 @@ TEST_F(RasterJobTest, the_preview_is_an_image) {
   EXPECT_EQ(names(), (Words{"garden.las", "seen.png", "seen.tif"}));
 }
 
-TEST_F(RasterJobTest, bytes_do_not_depend_on_memory) {
-  // Samples of a ground of 160,000 cells and their sums lie in files.
-  for (const Words& more : {Words{}, Words{"--ground-cell", "0.05", "--mode", "height"}}) {
-    const Words words = with(with(k_eye, more), {"--overwrite"});
-    ASSERT_EQ(raster(words).error, "");
-    const std::string whole = read("seen.tif");
-    ASSERT_EQ(raster(with(words, {"--memory", "1M"})).error, "");
-    EXPECT_TRUE(whole == read("seen.tif"));
-  }
-  EXPECT_EQ(names(), (Words{"garden.las", "seen.tif"}));
-}
-
 TEST_F(RasterJobTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"-o", "seen.tif"}, "missing observers");
   expect_rejected({"--observer", "690005,5325010", "--resolution", "0", "-o", "seen.tif"}, "resolution");

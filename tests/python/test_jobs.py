@@ -75,8 +75,8 @@ def test_every_field_is_known(command, tmp_path, monkeypatch):
 
 
 def test_stubs_are_those_of_the_fields():
-    if "cache" not in [field[0] for field in _FIELDS["info"]]:
-        pytest.skip("the stubs have the options of the extension web")
+    if not {"cache", "memory"} <= {field[0] for field in _FIELDS["info"]}:
+        pytest.skip("the stubs have the options of the extensions web and scratch")
     for file, commands in stubs.stubs().items():
         assert file.read_text() == stubs.stub_text(file, commands), "run tests/python/stubs.py"
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/run_program.h"
+#include "tools/command.h"
 
 namespace alidade::test {
 namespace {
@@ -35,6 +36,16 @@ class IndexTest : public ProgramTest {
     write(name, content);
   }
 };
+
+TEST_F(IndexTest, is_queried_by_more_threads_than_cores_if_memory_does_not_hold_it) {
+  write("big.alidade", std::string(1000, ' '));
+  const std::string file = (folder / "big.alidade").string();
+  const Words render = {"alidade", "render", file, "-o", "picture.png"};
+  EXPECT_GE(tools::enough_threads(render, 999), 8);
+  EXPECT_FALSE(tools::enough_threads(render, 1000));
+  EXPECT_FALSE(tools::enough_threads(Words{"alidade", "convert", file}, 999));
+  EXPECT_FALSE(tools::enough_threads(Words{"alidade", "render", file + ".las"}, 999));
+}
 
 TEST_F(IndexTest, info_prints_of_an_index_what_it_prints_of_its_source) {
   index_scan();

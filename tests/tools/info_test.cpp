@@ -153,29 +153,6 @@ TEST_F(InfoTest, statistics_are_text_or_json) {
   EXPECT_FALSE(contains(run({"info", "site.las"}).out, "density"));
 }
 
-TEST_F(InfoTest, points_that_exceed_memory_are_in_temporary_files) {
-  ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "site.laz", "-q"}).exit_code, 0);
-  const char* const given = std::getenv("TMPDIR");
-  const std::string before = given ? given : "";
-  ::setenv("TMPDIR", "/nonexistent", 1);
-  const ProgramResult nowhere = run({"info", "site.laz", "--memory", "1M"});
-  given ? ::setenv("TMPDIR", before.c_str(), 1) : ::unsetenv("TMPDIR");
-  EXPECT_EQ(nowhere.exit_code, 2);
-  EXPECT_TRUE(contains(nowhere.err,
-                       "/nonexistent: no folder for temporary files; expected the environment variable "
-                       "TMPDIR to name a folder"))
-      << nowhere.err;
-}
-
-TEST_F(InfoTest, details_of_the_work_are_for_those_who_request_them) {
-  ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "site.laz", "-q"}).exit_code, 0);
-  const Words words = {"info", "site.laz", "--memory", "1M", "--stats"};
-  EXPECT_EQ(run(words).err, "");
-  const std::string details = run(with(words, {"-v"})).err;
-  for (const char* const part : {"of temporary files in ", "reading: ", "counting: "})
-    EXPECT_TRUE(contains(details, part)) << details;
-}
-
 TEST_F(InfoTest, formats_and_libraries_are_listed) {
   const ProgramResult formats = run({"formats"});
   EXPECT_EQ(formats.exit_code, 0);

@@ -56,8 +56,7 @@ TEST_F(ResumeTest, other_outputs_and_threads_are_the_same_run_another_reference_
   program.send(SIGKILL);
   ASSERT_EQ(program.wait().signal, SIGKILL);
 
-  const Words others =
-      with(keep, {"--resume", "-o", "b.las", "--lists", "b.csv", "--threads", "2", "--memory", "2M"});
+  const Words others = with(keep, {"--resume", "-o", "b.las", "--lists", "b.csv", "--threads", "2"});
   const std::string site = read("site.las");
   std::string moved = site;
   const std::size_t zone = moved.find("zone 32N");

@@ -187,6 +187,9 @@ class RemoteTest(RemoteCase):
                 "AWS_VIRTUAL_HOSTING": "FALSE", "AWS_NO_SIGN_REQUEST": "YES"}
 
     def test_a_checkpoint_continues_only_with_the_same_version(self):
+        if "--checkpoint" not in self.run_program("index", "--help"):
+            self.skipTest("without the extension scratch")
+
         def change_tag(path):
             with open(path, "r+b") as file:
                 file.seek(26)  # the name of a system in the header

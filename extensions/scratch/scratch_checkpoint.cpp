@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/scratch_checkpoint.h"
+#include "extensions/scratch/scratch_checkpoint.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -74,9 +74,11 @@ constexpr const char* k_remedy = "--overwrite without --resume to start again";
 
 }  // namespace
 
-ScratchCheckpoint::ScratchCheckpoint(PartsOptions options, Fingerprint fingerprint)
+ScratchCheckpoint::ScratchCheckpoint(PartsOptions options, Fingerprint fingerprint,
+                                     std::function<bool()> is_interrupted)
     : options_(std::move(options)),
       fingerprint_(std::move(fingerprint)),
+      is_interrupted_(std::move(is_interrupted)),
       kept_(std::chrono::steady_clock::now()) {
   const std::string name = folder().string();
   std::error_code error;
@@ -150,7 +152,7 @@ void ScratchCheckpoint::read() {
   made_folder_ = load<std::uint64_t>(head.data() + k_made_folder) != 0;
 }
 
-ScratchFile ScratchCheckpoint::file(const std::string& name) {
+KeptFile ScratchCheckpoint::file(const std::string& name) {
   const std::filesystem::path path = folder() / (std::string(k_prefix) + name);
   const auto kept = kept_files_.find(name);
   if (kept == kept_files_.end()) return {path, 0};
@@ -161,8 +163,8 @@ ScratchFile ScratchCheckpoint::file(const std::string& name) {
     fail_as_corrupt(fmt::format("truncated file {}", path.filename().string()),
                     fmt::format("at least {} bytes", content.bytes),
                     error ? error.message() : std::to_string(size));
-  ScratchFile file(path, content.bytes);
-  if (const std::uint64_t sum = file.checksum(options_.is_interrupted); sum != content.checksum)
+  KeptFile file(path, content.bytes);
+  if (const std::uint64_t sum = file.checksum(is_interrupted_); sum != content.checksum)
     fail_as_corrupt(fmt::format("wrong checksum of {}", path.filename().string()),
                     fmt::format("{:016x}", content.checksum), fmt::format("{:016x}", sum));
   return file;

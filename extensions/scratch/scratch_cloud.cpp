@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/scratch_cloud.h"
+#include "extensions/scratch/scratch_cloud.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include "base/huge_memory.h"
 #include "cloud/read_in_pieces.h"
 #include "cloud/rows.h"
+#include "cloud/select_points.h"
 
 namespace alidade {
 namespace {
@@ -22,7 +23,7 @@ void give_back_room(PointCloud& cloud) {
   for (ExtraDimension& dimension : cloud.extra_dimensions) std::vector<std::uint8_t>().swap(dimension.values);
 }
 
-constexpr const char* k_positions = "positions";
+constexpr const char* k_position_file = "positions";
 
 std::string column_name(std::size_t number) {
   return fmt::format("attribute-{}", number);
@@ -32,12 +33,12 @@ std::string column_name(std::size_t number) {
 
 ScratchCloud::ScratchCloud(const CloudInputs& inputs, const ReadOptions& options, const ScratchSpace& scratch,
                            ScratchCheckpoint* checkpoint)
-    : folder_(scratch.folder),
+    : scratch_(scratch),
       checkpoint_(checkpoint),
       recalled_(checkpoint ? checkpoint->rows() : 0),
-      positions_(file(k_positions, sizeof(LatticePosition))) {
+      positions_(file(k_position_file, sizeof(LatticePosition))) {
   if (positions_.size() / sizeof(LatticePosition) != recalled_)
-    fail_as_corrupt(k_positions, positions_.size());
+    fail_as_corrupt(k_position_file, positions_.size());
   const CloudPieces pieces{.most_bytes = scratch.memory,
                            .take = [this](PointCloud& piece) { take(piece); },
                            .recall = [this](PointCloud& piece, std::size_t first,
@@ -72,16 +73,16 @@ void ScratchCloud::fail_as_corrupt(const std::string& name, std::uint64_t bytes)
                                fmt::format("those of {} points", recalled_), std::to_string(bytes));
 }
 
-ScratchFile ScratchCloud::file(const std::string& name, std::size_t value_bytes) const {
-  if (!checkpoint_) return ScratchFile(folder_);
-  ScratchFile file = checkpoint_->file(name);
+KeptFile ScratchCloud::file(const std::string& name, std::size_t value_bytes) const {
+  if (!checkpoint_) return KeptFile(scratch_.folder);
+  KeptFile file = checkpoint_->file(name);
   // A shorter column has zeros behind its end.
   if (file.size() / value_bytes > recalled_) fail_as_corrupt(name, file.size());
   return file;
 }
 
 ScratchCloud::Column& ScratchCloud::column(std::size_t number, std::size_t value_bytes) {
-  while (columns_.size() <= number) columns_.push_back({0, ScratchFile(folder_)});
+  while (columns_.size() <= number) columns_.push_back({0, KeptFile(scratch_.folder)});
   Column& column = columns_[number];
   if (column.value_bytes == 0) column = {value_bytes, file(column_name(number), value_bytes)};
   return column;
@@ -105,7 +106,7 @@ void ScratchCloud::take(PointCloud& piece) {
 
 void ScratchCloud::add(std::size_t number, std::size_t value_bytes, std::span<const std::byte> values,
                        std::size_t known) {
-  ScratchFile& file = column(number, value_bytes).file;
+  KeptFile& file = column(number, value_bytes).file;
   const std::span<const std::byte> added = values.subspan(known * value_bytes);
   if (added.empty()) return;
   file.append_zeros((size_ + known) * value_bytes - file.size());
@@ -115,7 +116,7 @@ void ScratchCloud::add(std::size_t number, std::size_t value_bytes, std::span<co
 bool ScratchCloud::recall(PointCloud& piece, std::size_t first, std::size_t count) {
   const std::uint64_t row = size_ + first;
   if (row + count > recalled_) return false;
-  const auto fill = [&](const ScratchFile& file, auto& values) {
+  const auto fill = [&](const KeptFile& file, auto& values) {
     const std::span<std::byte> bytes = std::as_writable_bytes(std::span(values).subspan(first, count));
     const std::uint64_t begin = row * sizeof values[0];
     // A shorter column has zeros behind its end.
@@ -135,9 +136,9 @@ void ScratchCloud::spread_values(Attribute attribute,
                                  const std::function<void(std::span<Value>, std::uint64_t)>& spread) {
   constexpr std::uint64_t k_block = 1 << 17;
   if (number_of(attribute) >= columns_.size()) return;
-  ScratchFile& file = columns_[number_of(attribute)].file;
+  KeptFile& file = columns_[number_of(attribute)].file;
   if (file.size() == 0) return;
-  ScratchFile changed(folder_);
+  KeptFile changed(scratch_.folder);
   std::vector<Value> values;
   for (std::uint64_t row = 0; row < size_; row += k_block) {
     values.resize(static_cast<std::size_t>(std::min(k_block, size_ - row)));
@@ -151,10 +152,10 @@ void ScratchCloud::spread_values(Attribute attribute,
 void ScratchCloud::keep() {
   if (!checkpoint_ || size_ <= checkpoint_->rows()) return;
   std::vector<ScratchCheckpoint::Kept> files;
-  const auto add = [&](const std::string& name, ScratchFile& file, std::size_t value_bytes) {
+  const auto add = [&](const std::string& name, KeptFile& file, std::size_t value_bytes) {
     files.push_back({name, &file, std::min(file.size(), size_ * value_bytes)});
   };
-  add(k_positions, positions_, sizeof(LatticePosition));
+  add(k_position_file, positions_, sizeof(LatticePosition));
   for (std::size_t number = 0; number < columns_.size(); ++number) {
     Column& column = columns_[number];
     if (column.value_bytes > 0) add(column_name(number), column.file, column.value_bytes);
@@ -214,10 +215,10 @@ void ScratchCloud::keep_rows(std::span<const std::uint8_t> marks, const Progress
   const auto report_row = [&](std::size_t row) {
     report(progress, (columns_done * marks.size() + row) / column_count, marks.size());
   };
-  const auto close_up = [&](ScratchFile& file, std::size_t value_bytes) {
+  const auto close_up = [&](KeptFile& file, std::size_t value_bytes) {
     const std::span<const std::byte> all = file.map();
     if (all.empty()) return;
-    ScratchFile kept(folder_);
+    KeptFile kept(scratch_.folder);
     std::vector<std::byte> block;
     for (std::size_t row = 0; row < marks.size(); ++row) {
       if (row % k_block == 0) report_row(row);
@@ -239,17 +240,32 @@ void ScratchCloud::keep_rows(std::span<const std::uint8_t> marks, const Progress
   report(progress, marks.size(), marks.size());
 }
 
-void ScratchCloud::add_normals() {
-  assert(!checkpoint_);
-  ScratchFile& file = column(number_of(Attribute::normal), sizeof(glm::vec3)).file;
-  file.append_zeros(size_ * sizeof(glm::vec3) - file.size());
-}
-
-void keep_every(ScratchCloud& cloud, std::uint64_t step, const Progress& progress) {
-  HugeVector<std::uint8_t> marks(cloud.size(), 0, ScratchFolder(cloud.folder()));
+void ScratchCloud::keep_every(std::uint64_t step, const Progress& progress) {
+  HugeVector<std::uint8_t> marks(size(), 0, ScratchFolder(scratch_.folder));
   for (std::size_t row = 0; row < marks.size(); row += std::min<std::uint64_t>(step, marks.size() - row))
     marks[row] = 1;
-  cloud.keep_rows(marks, progress);
+  keep_rows(marks, progress);
+}
+
+void ScratchCloud::thin(double edge, const Progress& progress) {
+  const ThinnedColumns columns{facts_.lattice, positions(), column_of<Color16>(Attribute::color),
+                               column_of<std::uint16_t>(Attribute::near_infrared),
+                               column_of<std::uint16_t>(Attribute::intensity)};
+  const auto marks = mark_thinned(columns, edge, scratch_.folder, progress);
+  const std::uint64_t count = marks.size();
+  keep_rows(marks, [&](std::uint64_t, std::uint64_t) { return !progress || progress(count, count); });
+}
+
+std::span<glm::vec3> ScratchCloud::add_normals() {
+  assert(!checkpoint_);
+  KeptFile& file = column(number_of(Attribute::normal), sizeof(glm::vec3)).file;
+  file.append_zeros(size_ * sizeof(glm::vec3) - file.size());
+  return column_of<glm::vec3>(Attribute::normal);
+}
+
+void ScratchCloud::close() {
+  positions_ = KeptFile(scratch_.folder);
+  columns_.clear();
 }
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/scratch_checkpoint.h"
+#include "extensions/scratch/scratch_checkpoint.h"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ class ScratchCheckpointTest : public ::testing::Test {
   /// Leaves a checkpoint of 10 rows of a byte.
   void leave_rows(const fs::path& state) const {
     ScratchCheckpoint checkpoint = open(state);
-    ScratchFile rows = checkpoint.file("positions");
+    KeptFile rows = checkpoint.file("positions");
     rows.append(std::array<std::byte, 10>{std::byte{1}});
     checkpoint.keep(10, std::vector<ScratchCheckpoint::Kept>{{"positions", &rows, 10}});
     ASSERT_EQ(checkpoint.rows(), 10u);
@@ -139,15 +139,14 @@ TEST_F(ScratchCheckpointTest, an_interrupted_comparison_ends_at_once_and_keeps_t
   constexpr std::uint64_t k_size = 5 * k_checksum_block + 100;
   {
     ScratchCheckpoint checkpoint = open(folder_ / "state");
-    ScratchFile rows = checkpoint.file("positions");
+    KeptFile rows = checkpoint.file("positions");
     rows.append_zeros(k_size);
     checkpoint.keep(7, std::vector<ScratchCheckpoint::Kept>{{"positions", &rows, k_size}});
   }
   int calls = 0;
   {
-    ScratchCheckpoint checkpoint(
-        {.file = folder_ / "state", .resume = true, .is_interrupted = [&] { return ++calls == 2; }},
-        {{"test", "1"}});
+    ScratchCheckpoint checkpoint({.file = folder_ / "state", .resume = true}, {{"test", "1"}},
+                                 [&] { return ++calls == 2; });
     EXPECT_THROW(checkpoint.file("positions"), Cancelled);
     EXPECT_EQ(calls, 2);
     EXPECT_FALSE(checkpoint.is_corrupt());
@@ -159,7 +158,7 @@ TEST_F(ScratchCheckpointTest, an_interrupted_comparison_ends_at_once_and_keeps_t
 
 TEST_F(ScratchCheckpointTest, gives_back_what_exceeds_the_rows) {
   ScratchCheckpoint checkpoint = open(folder_ / "state");
-  ScratchFile rows = checkpoint.file("positions");
+  KeptFile rows = checkpoint.file("positions");
   rows.append_zeros(1000);
   checkpoint.keep(10, std::vector<ScratchCheckpoint::Kept>{{"positions", &rows, 10}});
   EXPECT_EQ(fs::file_size(folder_ / "state" / "rows-positions"), 10u);

@@ -3,21 +3,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <random>
 #include <tuple>
 #include <utility>
 
+#include "base/error.h"
 #include "cloud/read_cloud.h"
 #include "jobs/clouds/convert.h"
 #include "jobs/clouds/index.h"
+#include "jobs/clouds/info.h"
 #include "jobs/field_table.h"
 #include "tests/jobs/cloud_folder.h"
+
+namespace alidade::extensions {
+void set_up_scratch();
+}
 
 namespace alidade::test {
 namespace {
 
+using Json = nlohmann::ordered_json;
 using Names = std::vector<std::string>;
 /// Fields with their values; a flag has none.
 using Given = std::vector<std::pair<std::string, std::vector<std::string>>>;
@@ -26,6 +35,7 @@ class CloudMemoryTest : public CloudFolderTest {
  protected:
   void SetUp() override {
     CloudFolderTest::SetUp();
+    extensions::set_up_scratch();
     write("plain.xyz", "690002 5325000.25 601\n690003 5325000.5 602\n");
     write("colored.csv",
           "x,y,z,red,green,blue,height\n690000,5325000,600,1,2,3,0.5\n690001,5325000,600,7,8,9,1.5\n");
@@ -66,6 +76,41 @@ class CloudMemoryTest : public CloudFolderTest {
 
   std::map<std::string, std::string> notes;  ///< of the last two runs
 };
+
+TEST_F(CloudMemoryTest, a_checkpoint_is_among_what_an_index_writes) {
+  scan("site.las", 100);
+  auto wanted = request<jobs::IndexRequest>({"site.las"}, "site.alidade");
+  wanted.checkpoint.file = folder / "kept";
+  wanted.memory = std::size_t{1} << 20;
+  EXPECT_EQ(plan(wanted).work().writes, (std::vector{wanted.output, wanted.checkpoint.file}));
+}
+
+TEST_F(CloudMemoryTest, information_is_the_same) {
+  scan("site.laz", 60'000);
+  run(plan(request<jobs::IndexRequest>({"site.laz"}, "site.alidade")), heard);
+  const auto files = request<jobs::InfoRequest>({"site.laz", "colored.csv"});
+  jobs::InfoRequest statistics = files, cropped;
+  statistics.stats = true;
+  const auto table = std::make_shared<jobs::FieldTable>("info");
+  add_info_fields(jobs::Fields(table), cropped);
+  table->give("files", {(folder / "site.alidade").string()});
+  table->give("crop", {"690000,5325000,690010,5325010"});
+  table->give("stats", {});
+  table->read();
+  for (jobs::InfoRequest wanted : {files, statistics, cropped}) {
+    const Json whole = info_json(run(plan(wanted), heard));
+    EXPECT_GT(whole.at("points"), 1000);
+    EXPECT_EQ(whole.contains("statistics"), wanted.stats);
+    wanted.memory = std::size_t{1} << 20;
+    EXPECT_EQ(info_json(run(plan(wanted), heard)), whole);
+    // The points are in temporary files indeed.
+    const char* const given = std::getenv("TMPDIR");
+    const std::string before = given ? given : "";
+    ::setenv("TMPDIR", "/nonexistent", 1);
+    EXPECT_THROW(run(plan(wanted), heard), Error);
+    given ? ::setenv("TMPDIR", before.c_str(), 1) : ::unsetenv("TMPDIR");
+  }
+}
 
 const std::pair<std::string, Names> k_crop{"crop", {"690000,5325000,690010,5325010"}};
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -11,7 +12,7 @@
 #include "base/checkpoint.h"
 #include "base/fingerprint.h"
 #include "base/input_file.h"
-#include "base/scratch_file.h"
+#include "extensions/scratch/kept_file.h"
 
 namespace alidade {
 
@@ -22,10 +23,10 @@ namespace alidade {
 class ScratchCheckpoint {
  public:
   /// `options.file` is the folder, made if it is missing. Without `options.resume` its contents are replaced.
-  /// `fingerprint`: all that the rows depend on. Errors: the folder is neither empty nor
-  /// is_scratch_checkpoint(), cannot be written, or is in use by another process; the manifest is damaged, or
-  /// of another version or run.
-  ScratchCheckpoint(PartsOptions options, Fingerprint fingerprint);
+  /// `fingerprint`: all that the rows depend on. `is_interrupted`: whether to stop, called while kept bytes
+  /// are compared. Errors: the folder is neither empty nor is_scratch_checkpoint(), cannot be written, or is
+  /// in use by another process; the manifest is damaged, or of another version or run.
+  ScratchCheckpoint(PartsOptions options, Fingerprint fingerprint, std::function<bool()> is_interrupted = {});
 
   const std::filesystem::path& folder() const { return options_.file; }
   /// Rows that are in the files: those of an earlier run, then those of the last keep().
@@ -33,9 +34,8 @@ class ScratchCheckpoint {
   /// Whether there was a checkpoint to resume from, maybe without rows.
   bool resumes() const { return resumes_; }
   /// A file, "positions" or "attribute-N", with the bytes that an earlier run kept of it. Errors: it has
-  /// fewer; their checksum is wrong; those of opening it. Cancelled, if `options.is_interrupted` returns
-  /// true. Cost: the bytes are read.
-  ScratchFile file(const std::string& name);
+  /// fewer; their checksum is wrong; those of opening it. Cancelled. Cost: the bytes are read.
+  KeptFile file(const std::string& name);
   /// Throws the error of a checkpoint that no run can resume from.
   [[noreturn]] void fail_as_corrupt(const std::string& problem, const std::string& expected,
                                     const std::string& found);
@@ -44,7 +44,7 @@ class ScratchCheckpoint {
 
   struct Kept {
     std::string name;
-    ScratchFile* file;
+    KeptFile* file;
     std::uint64_t bytes;  ///< that belong to the rows
   };
   /// Whether the interval of the options has passed since the last keep().
@@ -64,6 +64,7 @@ class ScratchCheckpoint {
 
   PartsOptions options_;
   Fingerprint fingerprint_;
+  std::function<bool()> is_interrupted_;
   FileDescriptor lock_;  ///< of the folder
   std::uint64_t rows_ = 0;
   bool resumes_ = false, is_corrupt_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/scratch_cloud.h"
+#include "extensions/scratch/scratch_cloud.h"
 
 #include "cloud/las/write_las.h"
 #include "cloud/rows.h"
@@ -100,7 +100,7 @@ TEST_F(ScratchCloudTest, bytes_that_do_not_fit_the_number_of_rows_are_an_error) 
   for (const std::uint64_t bytes : {11, 24}) {
     {
       ScratchCheckpoint state = checkpoint();
-      ScratchFile positions = state.file("positions");
+      KeptFile positions = state.file("positions");
       positions.append_zeros(bytes);
       state.keep(1, std::vector<ScratchCheckpoint::Kept>{{"positions", &positions, bytes}});
     }
@@ -152,22 +152,22 @@ TEST_F(ScratchCloudTest, chosen_rows_are_those_of_a_cloud_in_memory) {
     EXPECT_EQ(parts.facts().files.front().point_count, whole.files.front().point_count);
   };
   keep_every(whole, 3);
-  keep_every(parts, 3);
+  parts.keep_every(3, {});
   expect_same();
   const double edge = 1.0;  // cubes with several points
   thin(whole, edge);
-  thin(parts, edge);
+  parts.thin(edge, {});
   EXPECT_LT(whole.size(), k_points / 6);
   expect_same();
   parts.add_normals();
   whole.normals.resize(whole.size());
   expect_same();
-  parts.column_of<glm::vec3>(Attribute::normal).back() = {0, 0, 1};
+  parts.add_normals().back() = {0, 0, 1};
   EXPECT_EQ(parts.rows(parts.size() - 1, 1).normals.front().z, 1.0f);
-  EXPECT_THROW(keep_every(parts, 2, [](std::uint64_t, std::uint64_t) { return false; }), Cancelled);
+  EXPECT_THROW(parts.keep_every(2, [](std::uint64_t, std::uint64_t) { return false; }), Cancelled);
   parts = read(folder_ / "a.las", nullptr);
   parts.add_normals();
-  keep_every(parts, UINT64_MAX);
+  parts.keep_every(UINT64_MAX, {});
   EXPECT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts.columns().normals.size(), 1u);
 }
