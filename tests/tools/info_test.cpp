@@ -156,7 +156,7 @@ TEST_F(InfoTest, statistics_are_text_or_json) {
 TEST_F(InfoTest, formats_and_libraries_are_listed) {
   const ProgramResult formats = run({"formats"});
   EXPECT_EQ(formats.exit_code, 0);
-  for (const char* const part : {"LAZ", ".copc.laz", "PostgreSQL", "read, write"})
+  for (const char* const part : {"LAZ", ".copc.laz", "SQLite", "read, write"})
     EXPECT_TRUE(contains(formats.out, part)) << part;
   EXPECT_GT(Json::parse(run({"formats", "--json"}).out).size(), 10u);
   const std::string version = run({"--version"}).out;
