@@ -57,9 +57,9 @@ inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double
   return admitted(query, hit, query_index, radius, nullptr, filters);
 }
 
-/// Radius of the sphere of a point without a sheet, whose own radius is this: see RayQuery::lone_factor.
+/// Radius of the sphere of a point without a sheet, whose own radius is this: see DiscQuery.
 inline double lone_radius(const RayQuery& query, double radius) {
-  return std::min({radius, query.lone_factor / query.spacing_factor * radius, query.lone_radius});
+  return std::min({radius, query.discs.lone_factor / query.spacing_factor * radius, query.discs.lone_radius});
 }
 
 /// Measure::crossing. radius, surface, packed_edge: of this point.
@@ -87,7 +87,10 @@ inline std::optional<Hit> evaluate_crossing(const Ray& ray, const RayQuery& quer
   // Spacings do not follow from the widest radius.
   if (surface.exists && radius < query.radius &&
       is_beyond_edge(disc, ray.origin + t * ray.direction, packed_edge, query.spacing_factor,
-                     query.edge_shift))
+                     query.discs.edge_shift))
+    return std::nullopt;
+  if (surface.exists && !query.discs.begins.empty() &&
+      is_left(query.discs.begins[query_index], disc, ray.origin))
     return std::nullopt;
   return admitted(query, Hit{point_id, position, t, projection.distance, entered_at}, query_index, radius,
                   surface.exists ? &disc : nullptr, filters);

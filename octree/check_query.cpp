@@ -61,14 +61,25 @@ void check(const RayQuery& query) {
   if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min is NaN"});
   require(query.measure != Measure::entry || !std::isinf(query.radius), "measure entry requires a radius",
           "a finite radius, or measure t or distance", "none");
-  if (query.measure != Measure::crossing) return;
+  if (query.measure != Measure::crossing) {
+    if (!query.discs.begins.empty())
+      throw input_error("sheets that rays begin on require measure crossing", "none");
+    return;
+  }
   require(query.spacing_factor > 0.0, "measure crossing requires radii of the points' own",
           "a spacing_factor above 0", query.spacing_factor);
   require(!std::isinf(query.radius), "measure crossing requires a radius", "a finite radius", "none");
-  require(query.lone_factor >= 0.0 && std::isfinite(query.lone_factor), "lone_factor out of range",
-          "a finite number, at least 0", query.lone_factor);
-  require(std::isfinite(query.edge_shift), "edge_shift is not finite", "a finite number", query.edge_shift);
-  require(query.lone_radius >= 0.0, "lone_radius out of range", "at least 0", query.lone_radius);
+  require(query.discs.lone_factor >= 0.0 && std::isfinite(query.discs.lone_factor),
+          "lone_factor out of range", "a finite number, at least 0", query.discs.lone_factor);
+  require(std::isfinite(query.discs.edge_shift), "edge_shift is not finite", "a finite number",
+          query.discs.edge_shift);
+  require(query.discs.lone_radius >= 0.0, "lone_radius out of range", "at least 0", query.discs.lone_radius);
+}
+
+void check_begins(const RayQuery& query, std::size_t rays) {
+  if (query.discs.begins.empty() || query.discs.begins.size() == rays) return;
+  throw input_error("the sheets that rays begin on do not match the rays", fmt::format("{}, or none", rays),
+                    fmt::format("{}", query.discs.begins.size()));
 }
 
 void check(const ConeQuery& query) {

@@ -20,7 +20,8 @@ std::string text_of(const glm::dvec3& v);
 
 /// Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite; entry_min NaN;
 /// Measure::entry with an infinite radius; max_level negative; Measure::crossing with an infinite radius,
-/// without spacing_factor, or with a lone_factor or lone_radius that is negative or NaN.
+/// without spacing_factor, or with a lone_factor or lone_radius that is negative or NaN; DiscQuery::begins of
+/// another measure.
 void check(const RayQuery& query);
 void check(const ConeQuery& query);
 /// Errors beside those of cones and rays: Measure::entry.
@@ -28,6 +29,8 @@ void check(const PathQuery& query);
 void check(const PointQuery& query);
 /// For boxes and half-spaces. Errors beside those: a radius.
 void check_without_radius(const PointQuery& query);
+/// Errors: DiscQuery::begins that are not as many as the rays, nor none.
+void check_begins(const RayQuery& query, std::size_t rays);
 
 /// Errors: what make_ray and its like promise does not hold: numbers not finite, a direction or normal whose
 /// length is not 1 within 1e-6, limits NaN; of cones: radius or slope negative; of paths: fewer than two
@@ -53,6 +56,7 @@ void check_conditions(const Query& query) {
 template <class Target, class Query>
 void check_target(const Target& target, const Query& query) {
   check_conditions<Target>(query);
+  if constexpr (std::is_same_v<Target, Ray>) check_begins(query, 1);
   check(target);
 }
 

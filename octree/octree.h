@@ -197,7 +197,7 @@ struct TreeView {
   double surface_unit = 0.0;
   /// Where the sheet of each point ends (octree/point_surface.h), by point id, packed. Null without surfaces.
   const std::uint8_t* sheet_edges = nullptr;
-  /// Surfaces and edges by storage index, the surfaces readable for k_coordinate_padding values past the end.
+  /// Surfaces and edges by storage index, readable for k_coordinate_padding values past the end.
   /// Null unless with_discs() made them.
   const std::uint32_t* stored_surfaces = nullptr;
   const std::uint8_t* stored_edges = nullptr;

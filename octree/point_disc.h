@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "octree/point_surface.h"
+#include "octree/query.h"
 
 // The disc that rays and lines of sight meet in place of a point of a sheet. It lies on the plane of the
 // sheet, within the radius of the point, and is cut off where the sheet ends.
@@ -53,15 +54,26 @@ inline bool is_beyond_edge(const PointDisc& disc, const glm::dvec3& position, st
   return glm::dot(position - disc.point, edge.direction) * spacings > (edge.distance + shift) * disc.radius;
 }
 
+/// Radii of a disc within which it may be part of the surface that a position lies on.
+constexpr double k_part_radii = 3.0;
+
 /// Whether a disc is part of the surface that a position lies on: the disc's point is near, within `reach` or
 /// 3 of its radii, and its plane passes within `thickness` of the position. Metres.
 inline bool is_part_of_surface(const PointDisc& disc, const glm::dvec3& position, double reach,
                                double thickness) {
-  constexpr double k_radii = 3.0;
   const glm::dvec3 offset = position - disc.point;
-  const double limit = std::fmax(reach, k_radii * disc.radius);
+  const double limit = std::fmax(reach, k_part_radii * disc.radius);
   return glm::dot(offset, offset) <= limit * limit &&
          std::fabs(glm::dot(position - disc.center, disc.normal)) <= thickness;
+}
+
+/// Cosine of the 32 degrees by which normals of one sheet deviate at most.
+constexpr double k_same_sheet_cosine = 0.848;
+
+/// Whether a disc is of the sheet that a ray from `origin` begins on.
+inline bool is_left(const SheetOrigin& begin, const PointDisc& disc, const glm::dvec3& origin) {
+  return begin.reach > 0.0f && std::fabs(glm::dot(disc.normal, begin.normal)) >= k_same_sheet_cosine &&
+         is_part_of_surface(disc, origin, begin.reach, begin.thickness);
 }
 
 }  // namespace alidade

@@ -387,9 +387,9 @@ Octree with_discs(const Octree& octree) {
   };
   const auto made = std::make_shared<Stored>();
   TreeView tree = octree.view();
-  made->surfaces =
-      HugeArray<std::uint32_t>(std::size_t{tree.point_count} + k_coordinate_padding, octree.scratch());
-  made->edges = HugeArray<std::uint8_t>(tree.point_count, octree.scratch());
+  const std::size_t padded = std::size_t{tree.point_count} + k_coordinate_padding;
+  made->surfaces = HugeArray<std::uint32_t>(padded, octree.scratch());
+  made->edges = HugeArray<std::uint8_t>(padded, octree.scratch());
   constexpr std::uint32_t k_grain = 1 << 16;
   in_parallel(tree.point_count, k_grain, [&](std::uint32_t index) {
     const std::uint64_t id = point_id(tree, index);
@@ -397,6 +397,7 @@ Octree with_discs(const Octree& octree) {
     made->edges.data()[index] = tree.sheet_edges[id];
   });
   std::fill_n(made->surfaces.data() + tree.point_count, k_coordinate_padding, 0u);
+  std::fill_n(made->edges.data() + tree.point_count, k_coordinate_padding, std::uint8_t{0});
   tree.stored_surfaces = made->surfaces.data();
   tree.stored_edges = made->edges.data();
   return octree.with_view(tree, made);

@@ -37,8 +37,9 @@ namespace {
 constexpr std::size_t k_grain = 256;
 
 template <class Target, class Query>
-void check_batch(const Octree& octree, std::span<const Target>, const Query& query) {
+void check_batch(const Octree& octree, std::span<const Target> targets, const Query& query) {
   check_conditions<Target>(query);
+  if constexpr (std::is_same_v<Query, RayQuery>) check_begins(query, targets.size());
   check_against(octree, query);
 }
 
@@ -352,6 +353,7 @@ void trace_batch(const Octree& octree, const Batch& batch, const RayQuery& query
                  const TraceOne& trace_one) {
   using Answer = typename Batch::Answer;
   check(query);
+  check_begins(query, batch.size());
   check_against(octree, query);
   if (octree.size() == 0 || !has_traversal(octree, query)) {
     const auto trace_each = [&](std::span<const Ray> rays, std::size_t first_index,
@@ -375,9 +377,9 @@ void trace_batch(const Octree& octree, const Batch& batch, const RayQuery& query
       first_index += suiting + 1;
     }
   };
-  // Filters receive the index of the ray, which sorting changes.
+  // Filters and sheets go by the index of the ray, which sorting changes.
   const auto origin = [&](std::size_t number) { return batch.origin(number); };
-  if (batch.size() >= 4 * k_most_stream_rays && !has_filter(query) &&
+  if (batch.size() >= 4 * k_most_stream_rays && !has_filter(query) && query.discs.begins.empty() &&
       !simd::start_side_by_side(octree.view().extent, batch.size(), origin))
     return trace_side_by_side(octree, batch, trace);
   in_blocks(batch.size(), stream_grain(batch.size()),

@@ -123,6 +123,26 @@ constexpr double k_unlimited_radius = std::numeric_limits<double>::infinity();
 constexpr std::size_t k_all = std::numeric_limits<std::size_t>::max();
 constexpr int k_all_levels = std::numeric_limits<int>::max();
 
+/// The sheet of points that a ray begins on, whose discs it does not meet: those that are near
+/// (is_part_of_surface()) and whose normal deviates by at most 32 degrees. A reach of 0: the ray begins in the
+/// air.
+struct SheetOrigin {
+  glm::dvec3 normal{0.0, 0.0, 1.0};
+  float reach = 0.0f, thickness = 0.0f;  ///< metres
+};
+
+/// Conditions of Measure::crossing, which takes discs of the points' own radii (RayQuery::spacing_factor above
+/// 0) in an octree that is ready for it (with_discs()): Hit::t is that of the crossing, to which the ray's
+/// interval applies. The radius of the sphere of a point without a sheet is lone_factor times its spacing, at
+/// most lone_radius and that of a disc.
+struct DiscQuery {
+  double lone_factor = 0.25;
+  double lone_radius = std::numeric_limits<double>::infinity();  ///< metres
+  double edge_shift = 0.0;  ///< discs reach so many spacings farther than the edges of their sheets
+  /// One for each ray of the batch, or none at all. It must outlive the query.
+  std::span<const SheetOrigin> begins{};
+};
+
 /// Conditions of a ray query.
 struct RayQuery {
   /// Points with distance <= radius count. Metres.
@@ -146,13 +166,7 @@ struct RayQuery {
   /// one position, which have equal spacings and surfaces. Of a million such points `closest` and `occluded`
   /// then test a few, as they do without filters; `filter` alone is called for each.
   CandidateFilter position_filter{};
-  /// Of Measure::crossing, which takes discs of the points' own radii (spacing_factor above 0) in an octree
-  /// that is ready for it (with_discs()): Hit::t is that of the crossing, to which the ray's interval
-  /// applies. The radius of the sphere of a point without a sheet is lone_factor times its spacing, at most
-  /// lone_radius and that of a disc.
-  double lone_factor = 0.25;
-  double lone_radius = k_unlimited_radius;  ///< metres
-  double edge_shift = 0.0;  ///< discs reach so many spacings farther than the edges of their sheets
+  DiscQuery discs{};  ///< of Measure::crossing
 };
 
 /// Conditions of a cone query; the limit on the distance is the cone's own.

@@ -44,9 +44,6 @@ double widest_gap(const glm::dvec3& normal, std::span<const glm::dvec3> offsets)
   return gap;
 }
 
-/// Cosine of the 32 degrees by which normals of one sheet deviate at most.
-constexpr double k_same_sheet_cosine = 0.848;
-
 /// How far a sheet reaches around a hit, in radii of the disc.
 constexpr double k_sheet_radii = 3.0;
 
@@ -83,21 +80,15 @@ DiscCloud::DiscCloud(const LoadedCloud& cloud, bool blends)
       query_{.radius = cloud.radius,
              .measure = Measure::crossing,
              .spacing_factor = cloud.spacing_factor,
-             .lone_radius = cloud.lone_radius},
+             .discs = {.lone_radius = cloud.lone_radius}},
       colors_(cloud.point_colors()),
       blends_(blends) {}
 
-RayQuery DiscCloud::query_of(std::span<const Ray> rays, std::span<const SheetOrigin> origins) const {
+RayQuery DiscCloud::query_of(std::span<const SheetOrigin> origins) const {
   RayQuery query = query_;
-  if (std::ranges::all_of(origins, [](const SheetOrigin& origin) { return origin.reach == 0.0f; }))
-    return query;
-  query.position_filter = [rays, origins](const Candidate& candidate) {
-    const SheetOrigin& origin = origins[candidate.query_index];
-    if (candidate.disc == nullptr || origin.reach == 0.0f) return true;
-    return std::fabs(glm::dot(candidate.disc->normal, origin.normal)) < k_same_sheet_cosine ||
-           !is_part_of_surface(*candidate.disc, rays[candidate.query_index].origin, origin.reach,
-                               origin.thickness);
-  };
+  const bool all_in_air =
+      std::ranges::all_of(origins, [](const SheetOrigin& origin) { return origin.reach == 0.0f; });
+  if (!all_in_air) query.discs.begins = origins;
   return query;
 }
 
@@ -161,7 +152,7 @@ DiscHit DiscCloud::disc_hit(const Ray& ray, const Hit& first, bool blends,
 void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
                         std::span<std::optional<DiscHit>> hits) const {
   std::vector<std::optional<Hit>> first(rays.size());
-  alidade::closest(octree_, rays, query_of(rays, origins), first);
+  alidade::closest(octree_, rays, query_of(origins), first);
   std::vector<PointSphere> around;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     hits[i].reset();
@@ -171,7 +162,7 @@ void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> 
 
 void DiscCloud::blocked(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
                         std::span<std::uint8_t> answers) const {
-  occluded(octree_, rays, query_of(rays, origins), answers);
+  occluded(octree_, rays, query_of(origins), answers);
 }
 
 /// A hit at the rim of a sheet, or on a sphere.
@@ -217,8 +208,8 @@ HitTrust DiscCloud::trust_amid(const Ray& ray, const Hit& first, std::vector<Poi
 
 void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) const {
   RayQuery wide = query_;
-  wide.edge_shift += k_shift;
-  wide.lone_factor *= k_larger;
+  wide.discs.edge_shift += k_shift;
+  wide.discs.lone_factor *= k_larger;
   wide.spacing_factor *= k_wider;
   std::vector<std::optional<Hit>> first(rays.size()), earlier(rays.size());
   alidade::closest(octree_, rays, query_, first);
@@ -242,7 +233,7 @@ void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) co
       sheets.push_back(at.sheet);
     }
     std::vector<std::optional<Hit>> behind(on.size());
-    alidade::closest(octree_, on, query_of(on, sheets), behind);
+    alidade::closest(octree_, on, query_of(sheets), behind);
     std::vector<Rim> next;
     for (std::size_t i = 0; i < rims.size(); ++i) {
       const std::size_t number = rims[i].number;

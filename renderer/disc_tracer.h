@@ -28,14 +28,6 @@
 
 namespace alidade::renderer {
 
-/// What a ray that leaves a sheet does not meet: the discs of that sheet, which are near
-/// (is_part_of_surface()) and whose normal deviates by at most 32 degrees. A reach of 0: the ray begins in
-/// the air.
-struct SheetOrigin {
-  glm::dvec3 normal{0.0, 0.0, 1.0};
-  float reach = 0.0f, thickness = 0.0f;  ///< metres
-};
-
 /// Where a ray meets the cloud. Small, since there are thousands at a time.
 struct DiscHit {
   double t = 0.0;              ///< metres
@@ -74,8 +66,8 @@ class DiscCloud {
   struct Rim;
   struct SheetSums;
 
-  /// For these rays, which must outlive it.
-  RayQuery query_of(std::span<const Ray> rays, std::span<const SheetOrigin> origins) const;
+  /// For rays that begin there.
+  RayQuery query_of(std::span<const SheetOrigin> origins) const;
   DiscHit disc_hit(const Ray& ray, const Hit& first, bool blends, std::vector<PointSphere>& around) const;
   /// Over the discs of the sheet around a hit on one of them. around: room.
   SheetSums blend(const Ray& ray, const DiscHit& hit, std::vector<PointSphere>& around) const;

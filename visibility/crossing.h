@@ -106,8 +106,8 @@ inline RayQuery query_of(const Occluders& occluders) {
   if (!has_own_discs(occluders)) return query;
   query.measure = Measure::crossing;
   query.spacing_factor = k_disc_spacings;
-  query.lone_factor = k_lone_share;
-  query.lone_radius = widest_sphere(occluders);
+  query.discs.lone_factor = k_lone_share;
+  query.discs.lone_radius = widest_sphere(occluders);
   return query;
 }
 

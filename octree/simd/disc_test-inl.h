@@ -16,17 +16,41 @@ namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
 /// Points near a ray, in lanes: their offset from a point of it, the t of their projection and the square of
-/// their distance, each within `error`; `outer` is their radius and the error, or more.
+/// their distance, each within `error`; `outer` is their radius and the error, or more, `inner` their radius
+/// less the error, or less (inner_sq below 0: no point certainly counts).
 struct NearRay {
   using V = hn::Vec<PointLanes>;
   V x, y, z;
   V t, distance_sq;
-  V error, outer_sq, radius;
+  V error, outer_sq, inner_sq, radius;
 };
 
-/// Bounds of the t at which the ray crosses each of them, if it does.
+/// Bounds of the t at which the ray crosses each of them, if it does; `sure`: that it does, whatever its
+/// interval and entry_min are.
 struct Crossings {
   hn::Vec<PointLanes> low, high;
+  hn::Mask<PointLanes> sure;
+};
+
+/// The sheet that a ray begins on, and how far from there the ray is where it enters a leaf.
+struct LeftSheet {
+  bool is_near = false;  ///< points of the leaf may be of the sheet
+  float normal[3] = {}, reach = 0.0f, thickness = 0.0f;
+  float way = 0.0f;
+
+  LeftSheet(const ActiveRay& ray, const RayQuery& query, double start, double error) {
+    if (query.discs.begins.empty()) return;
+    const SheetOrigin& begin = query.discs.begins[ray.query_index];
+    if (begin.reach == 0.0f) return;
+    // The spheres around points that count lie in the leaf's box, widened: no point is nearer than `there`.
+    const double there = start + ray.state.shift;
+    constexpr double k_slack = 1.0 - 0x1p-20;
+    is_near = k_slack * there - 2.0 * error <= std::fmax(begin.reach, k_part_radii * query.radius);
+    for (int axis = 0; axis < 3; ++axis) normal[axis] = static_cast<float>(begin.normal[axis]);
+    reach = begin.reach;
+    thickness = begin.thickness;
+    way = static_cast<float>(there);
+  }
 };
 
 /// Where rays cross the discs of points, and enter the spheres of those without a sheet
@@ -44,14 +68,17 @@ class DiscTest {
  public:
   explicit DiscTest(const QuerySetup& setup)
       : surfaces_(setup.tree.stored_surfaces),
+        edges_(setup.tree.stored_edges),
         unit_(static_cast<float>(setup.tree.surface_unit)),
-        lone_share_(setup.query.spacing_factor > 0.0
-                        ? float_above(std::min(setup.query.lone_factor / setup.query.spacing_factor, 1.0))
-                        : 0.0f),
-        lone_radius_(float_above(std::min(setup.query.lone_radius, setup.query.radius))) {}
+        lone_share_(
+            setup.query.spacing_factor > 0.0
+                ? float_above(std::min(setup.query.discs.lone_factor / setup.query.spacing_factor, 1.0))
+                : 0.0f),
+        lone_radius_(float_above(std::min(setup.query.discs.lone_radius, setup.query.radius))) {}
 
   /// along: the ray's direction. Points from this storage index on.
-  HWY_INLINE Crossings operator()(std::uint32_t index, const NearRay& points, const float* along) const {
+  HWY_INLINE Crossings operator()(std::uint32_t index, const NearRay& points, const float* along,
+                                  const LeftSheet& left) const {
     const PointLanes d;
     using V = hn::Vec<PointLanes>;
     const hn::RebindToUnsigned<PointLanes> bits;
@@ -64,18 +91,16 @@ class DiscTest {
     };
     const V u = side(hn::ShiftRight<packed_surface::k_first_side>(packed)),
             v = side(hn::ShiftRight<packed_surface::k_second_side>(packed));
-    const V mx = hn::Mul(half, hn::Add(u, v)), my = hn::Mul(half, hn::Sub(u, v)),
-            mz = hn::Sub(one, hn::Add(hn::Abs(mx), hn::Abs(my)));
-    const V length = hn::Sqrt(hn::MulAdd(mx, mx, hn::MulAdd(my, my, hn::Mul(mz, mz))));
-    const V height = height_of(packed);
-    const V across = hn::MulAdd(
-        points.x, mx, hn::MulAdd(points.y, my, hn::NegMulAdd(height, length, hn::Mul(points.z, mz))));
-    const V slope = hn::MulAdd(hn::Set(d, along[0]), mx,
-                               hn::MulAdd(hn::Set(d, along[1]), my, hn::Mul(hn::Set(d, along[2]), mz)));
+    Planes planes{hn::Mul(half, hn::Add(u, v)), hn::Mul(half, hn::Sub(u, v)), one, one, height_of(packed)};
+    planes.z = hn::Sub(one, hn::Add(hn::Abs(planes.x), hn::Abs(planes.y)));
+    planes.length = hn::Sqrt(planes.dot(planes.x, planes.y, planes.z));
+    const V across = hn::NegMulAdd(planes.height, planes.length, planes.dot(points.x, points.y, points.z));
+    const V slope = planes.dot(hn::Set(d, along[0]), hn::Set(d, along[1]), hn::Set(d, along[2]));
     const V steepness = hn::Abs(slope), t = hn::Div(across, slope);
     const V slope_error = hn::Set(d, 0x1p-18f);
-    const V wrong = hn::MulAdd(hn::Set(d, 4.0f), points.error,
-                               hn::MulAdd(hn::Abs(height), slope_error, hn::Mul(hn::Abs(t), slope_error)));
+    const V wrong =
+        hn::MulAdd(hn::Set(d, 4.0f), points.error,
+                   hn::MulAdd(hn::Abs(planes.height), slope_error, hn::Mul(hn::Abs(t), slope_error)));
     const V error = hn::Div(hn::Mul(hn::Set(d, 2.0f), wrong), steepness);
 
     const V half_chord = hn::Sqrt(hn::Max(hn::Sub(points.outer_sq, points.distance_sq), zero));
@@ -84,19 +109,80 @@ class DiscTest {
     const auto grazes = hn::Not(hn::Gt(steepness, hn::Set(d, 8.0f * 0x1p-18f)));
     const V low = hn::IfThenElse(grazes, enters, hn::Max(hn::Sub(t, error), enters)),
             high = hn::IfThenElse(grazes, leaves, hn::Min(hn::Add(t, error), leaves));
+    // Within the radius on the plane, and at no edge.
+    const V inner_chord = hn::Sqrt(hn::Max(hn::Sub(points.inner_sq, points.distance_sq), zero));
+    const V beside =
+        hn::MulAdd(hn::Set(d, 2.0f), points.error, hn::Add(hn::Abs(hn::Sub(t, points.t)), error));
+    const auto edges = hn::PromoteTo(bits, hn::LoadU(hn::Rebind<std::uint8_t, PointLanes>(), edges_ + index));
+    const auto is_amid = hn::RebindMask(d, hn::Eq(edges, hn::Zero(bits)));
+    const auto may_be_sure = hn::Le(points.distance_sq, points.inner_sq);
+    auto is_sure = hn::And(hn::And(may_be_sure, is_amid), hn::AndNot(grazes, hn::Le(beside, inner_chord)));
+    auto never = hn::FirstN(d, 0);
+    if (left.is_near) leave_sheet(planes, points, along, left, is_sure, never);
 
-    const V lone = hn::Add(hn::Min(hn::Mul(points.radius, hn::Set(d, lone_share_)), hn::Set(d, lone_radius_)),
-                           points.error);
-    const V lone_chord_sq = hn::Sub(hn::Mul(hn::Mul(lone, lone), hn::Set(d, k_up)), points.distance_sq);
+    const V lone = hn::Min(hn::Mul(points.radius, hn::Set(d, lone_share_)), hn::Set(d, lone_radius_));
+    const V lone_outer = hn::Add(lone, points.error);
+    const V lone_chord_sq =
+        hn::Sub(hn::Mul(hn::Mul(lone_outer, lone_outer), hn::Set(d, k_up)), points.distance_sq);
     const auto meets_lone = hn::Ge(lone_chord_sq, zero);
     const V lone_low = hn::Sub(hn::Sub(points.t, points.error), hn::Sqrt(hn::Max(lone_chord_sq, zero)));
-    const V never = hn::Set(d, std::numeric_limits<float>::infinity());
+    const V lone_inner_sq = OwnRadii::inner_sq(d, lone, points.error);
+    const V lone_high = hn::Sub(hn::Add(points.t, points.error),
+                                hn::Sqrt(hn::Max(hn::Sub(lone_inner_sq, points.distance_sq), zero)));
+    const auto is_lone_sure = hn::And(may_be_sure, hn::Le(points.distance_sq, lone_inner_sq));
+    const V infinity = hn::Set(d, std::numeric_limits<float>::infinity());
     const auto exists = hn::RebindMask(d, hn::TestBit(packed, hn::Set(bits, packed_surface::k_exists)));
-    return {hn::IfThenElse(exists, low, hn::IfThenElse(meets_lone, lone_low, never)),
-            hn::IfThenElse(exists, high, hn::Add(points.t, points.error))};
+    return {hn::IfThenElse(exists, hn::IfThenElse(never, infinity, low),
+                           hn::IfThenElse(meets_lone, lone_low, infinity)),
+            hn::IfThenElse(exists, high, lone_high),
+            hn::Or(hn::And(exists, is_sure), hn::AndNot(exists, is_lone_sure))};
   }
 
  private:
+  /// Of the sheets of points: normals m, their length, and the points' heights.
+  struct Planes {
+    using V = hn::Vec<PointLanes>;
+    V x, y, z, length, height;
+
+    HWY_INLINE V dot(V a, V b, V c) const { return hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Mul(c, z))); }
+  };
+  using Mask = hn::Mask<PointLanes>;
+
+  /// Which discs certainly are of the sheet that the ray leaves (is_left()): `never`. Of those that may be,
+  /// none is sure. Offsets from the ray's origin err by less than `error`; heights on them by less than
+  /// 4 error + 2^-18 h and what the normal makes of the offset.
+  HWY_INLINE void leave_sheet(const Planes& planes, const NearRay& points, const float* along,
+                              const LeftSheet& left, Mask& is_sure, Mask& never) const {
+    const PointLanes d;
+    using V = hn::Vec<PointLanes>;
+    const V way = hn::Set(d, left.way), reach = hn::Set(d, left.reach);
+    const V x = hn::MulAdd(way, hn::Set(d, along[0]), points.x),
+            y = hn::MulAdd(way, hn::Set(d, along[1]), points.y),
+            z = hn::MulAdd(way, hn::Set(d, along[2]), points.z);
+    const V error = hn::MulAdd(hn::Abs(way), hn::Set(d, 0x1p-21f), points.error);
+    const V offset_sq = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
+    const V widest = hn::Max(reach, hn::Mul(points.radius, hn::Set(d, static_cast<float>(k_part_radii))));
+    const V outer_sq = OwnRadii::outer_sq(d, hn::Mul(widest, hn::Set(d, k_up)), hn::Add(error, error));
+    const Mask may_be_near = hn::Le(offset_sq, outer_sq);
+    if (hn::AllFalse(d, may_be_near)) return;
+    const V inner_sq = OwnRadii::inner_sq(d, widest, hn::Add(error, error));
+
+    const V alike = hn::Abs(
+        planes.dot(hn::Set(d, left.normal[0]), hn::Set(d, left.normal[1]), hn::Set(d, left.normal[2])));
+    const V least = hn::Mul(planes.length, hn::Set(d, static_cast<float>(k_same_sheet_cosine))),
+            slack = hn::Set(d, 0x1p-17f);
+    const V height = hn::Abs(hn::MulSub(planes.height, planes.length, planes.dot(x, y, z)));
+    const V thickness = hn::Mul(planes.length, hn::Set(d, left.thickness));
+    const V height_error = hn::MulAdd(
+        hn::Set(d, 4.0f), error,
+        hn::Mul(hn::Set(d, 0x1p-18f), hn::Add(hn::Abs(planes.height), hn::Add(widest, thickness))));
+    never = hn::And(hn::And(hn::Le(offset_sq, inner_sq), hn::Ge(alike, hn::Add(least, slack))),
+                    hn::Le(hn::Add(height, height_error), thickness));
+    const Mask may_be = hn::And(hn::And(may_be_near, hn::Ge(alike, hn::Sub(least, slack))),
+                                hn::Le(hn::Sub(height, height_error), thickness));
+    is_sure = hn::AndNot(may_be, is_sure);
+  }
+
   using Bits = hn::Vec<hn::RebindToUnsigned<PointLanes>>;
 
   static HWY_INLINE hn::Vec<PointLanes> as_float(const Bits& whole) {
@@ -124,6 +210,7 @@ class DiscTest {
   }
 
   const std::uint32_t* const surfaces_;
+  const std::uint8_t* const edges_;
   const float unit_;
   const float lone_share_, lone_radius_;
 };

@@ -51,7 +51,7 @@ class LeafTest {
         radius_above_(float_above(setup.query.radius)),
         own_radii_(setup.query),
         disc_test_(setup),
-        all_in_double_(measure == Measure::crossing || has_filter(setup.query)) {}
+        all_in_double_(has_filter(setup.query)) {}
 
   /// A frame, as the leaves below it need it.
   struct LeafFrame {
@@ -96,6 +96,13 @@ class LeafTest {
     }
   }
 
+  /// Fetches what visit() reads of a leaf.
+  HWY_INLINE void fetch(std::uint32_t first, std::uint32_t count) const {
+    fetch(setup_.tree.coordinates + std::size_t{3} * first, std::size_t{3} * count);
+    if constexpr (radii == Radii::own) fetch(setup_.tree.spacings + first, count);
+    if constexpr (measure == Measure::crossing) fetch(setup_.tree.stored_surfaces + first, count);
+  }
+
   /// The ray's best point as a hit.
   std::optional<Hit> answer(const ActiveRay& ray) const {
     if (!ray.state.found()) return std::nullopt;
@@ -125,6 +132,12 @@ class LeafTest {
   float radius_above() const { return radius_above_; }
 
  private:
+  template <class T>
+  static HWY_INLINE void fetch(const T* values, std::size_t count) {
+    constexpr std::size_t k_in_line = 64 / sizeof(T);
+    for (std::size_t i = 0; i < count; i += k_in_line) hwy::Prefetch(values + i);
+  }
+
   template <int vectors>
   HWY_NOINLINE void visit_vectors(const ActiveRay& ray, const Leaf& leaf, std::uint32_t count,
                                   const LeafFrame& frame, float t_near) const {
@@ -186,48 +199,57 @@ class LeafTest {
     }
     possible &= 0xffffffffu >> (k_max_leaf_size - count);
     if (possible == 0) return;
-    if constexpr (measure == Measure::crossing) {
-      if (setup_.tree.ids) hwy::Prefetch(setup_.tree.ids + leaf.first + index_of_lowest_bit(possible));
-      alignas(64) float lows[k_max_leaf_size];
-      const auto first = hn::Sub(t_min, error), last = hn::Add(hn::Set(d, limits[3]), error);
-      std::uint32_t crossed = 0;
-      for (int i = 0; i < vectors; ++i) {
-        if ((possible >> (i * lanes) & ((1ull << lanes) - 1u)) == 0) continue;
-        const NearRay points{
-            from_start(0, i), from_start(1, i), from_start(2, i), ts[i], distances_sq[i], error,
-            outer_sq_of(i),   radius[i]};
-        const Crossings crossings = disc_test_(leaf.first + i * lanes, points, along);
-        hn::Store(crossings.low, d, lows + i * lanes);
-        const auto counts = hn::And(hn::Le(crossings.low, crossings.high),
-                                    hn::And(hn::Le(crossings.low, last), hn::Ge(crossings.high, first)));
-        crossed |= mask_bits(d, counts) << (i * lanes);
-      }
-      decide_in_order(ray, leaf, possible & crossed, start, lows);
-      return;
-    }
-
     const auto surely_low = hn::Add(t_min, error), surely_high = hn::Sub(t_max, error),
                surely_after = hn::Add(hn::Set(d, limits[2]), error);
     const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
     const auto zero = hn::Zero(d);
     hn::Vec<PointLanes> lows[vectors], highs[vectors];
     auto first_high = none;
+    std::uint32_t crossed = 0;
+    std::optional<LeftSheet> left;
+    if constexpr (measure == Measure::crossing) left.emplace(ray, setup_.query, start, frame.error);
     for (int i = 0; i < vectors; ++i) {
+      if constexpr (measure == Measure::crossing) {
+        if ((possible >> (i * lanes) & ((1ull << lanes) - 1u)) == 0) {
+          lows[i] = highs[i] = none;
+          continue;
+        }
+      }
       const auto outer_sq = outer_sq_of(i), inner_sq = inner_sq_of(i);
       const auto entry_low =
           hn::Sub(hn::Sub(ts[i], error), hn::Sqrt(hn::Max(hn::Sub(outer_sq, distances_sq[i]), zero)));
-      const auto sure = hn::And(hn::And(hn::Le(distances_sq[i], inner_sq), hn::Ge(entry_low, surely_after)),
-                                hn::And(hn::Ge(ts[i], surely_low), hn::Le(ts[i], surely_high)));
+      auto sure = hn::And(hn::Le(distances_sq[i], inner_sq), hn::Ge(entry_low, surely_after));
       lows[i] = entry_low;
       highs[i] = hn::Add(ts[i], error);
+      if constexpr (measure == Measure::crossing) {
+        const Crossings crossings = disc_test_(leaf.first + i * lanes,
+                                               {from_start(0, i), from_start(1, i), from_start(2, i), ts[i],
+                                                distances_sq[i], error, outer_sq, inner_sq, radius[i]},
+                                               along, *left);
+        lows[i] = crossings.low;
+        highs[i] = crossings.high;
+        const auto counts =
+            hn::And(hn::Le(lows[i], highs[i]), hn::And(hn::Le(lows[i], hn::Add(hn::Set(d, limits[3]), error)),
+                                                       hn::Ge(highs[i], hn::Sub(t_min, error))));
+        crossed |= mask_bits(d, counts) << (i * lanes);
+        sure = hn::And(hn::And(sure, crossings.sure),
+                       hn::And(hn::Ge(lows[i], surely_low), hn::Le(highs[i], surely_high)));
+      } else {
+        sure = hn::And(sure, hn::And(hn::Ge(ts[i], surely_low), hn::Le(ts[i], surely_high)));
+      }
       if constexpr (measure == Measure::entry) {
         highs[i] = hn::Sub(highs[i], hn::Sqrt(hn::Max(hn::Sub(inner_sq, distances_sq[i]), zero)));
-      } else {
+      } else if constexpr (measure != Measure::crossing) {
         lows[i] = hn::Sub(ts[i], error);
       }
       const auto in_leaf = hn::FirstN(d, std::max(static_cast<int>(count) - i * lanes, 0));
       highs[i] = hn::IfThenElse(hn::And(sure, in_leaf), highs[i], none);
       first_high = hn::Min(first_high, highs[i]);
+    }
+    if constexpr (measure == Measure::crossing) {
+      possible &= crossed;
+      if (possible == 0) return;
+      if (setup_.tree.ids) hwy::Prefetch(setup_.tree.ids + leaf.first + index_of_lowest_bit(possible));
     }
     first_high = hn::MinOfLanes(d, first_high);
     // Highway's portable code for machines without vectors has no minimum above the largest finite float.
@@ -235,8 +257,15 @@ class LeafTest {
         hn::IfThenElse(hn::Lt(first_high, hn::Set(d, std::numeric_limits<float>::max())), first_high, none);
     const float leader_high = hn::GetLane(first_high);
     if constexpr (any) {
-      choose_any(ray, leaf, possible, leader_high < std::numeric_limits<float>::infinity());
-      return;
+      if (leader_high < std::numeric_limits<float>::infinity()) {
+        finish(ray);
+        return;
+      }
+      if constexpr (measure != Measure::crossing) {
+        for (; possible != 0 && !ray.state.found(); possible &= possible - 1)
+          if (in_double(ray, leaf, index_of_lowest_bit(possible))) finish(ray);
+        return;
+      }
     }
     // The certain point that surely begins first cuts off most others before anything is decided.
     const auto cut = hn::Min(first_high, hn::Add(hn::Set(d, limits[3]), error));
@@ -254,19 +283,14 @@ class LeafTest {
       take(ray, leaf, leader, start + all_lows[leader], start + leader_high);
       possible &= ~(1u << leader);
     }
+    if constexpr (measure == Measure::crossing) {
+      decide_in_order(ray, leaf, possible, start, all_lows);
+      return;
+    }
     for (; possible != 0; possible &= possible - 1) {
       const std::uint32_t i = index_of_lowest_bit(possible);
       if (start + all_lows[i] <= ray.state.limits.cut) decide(ray, leaf, i);
     }
-  }
-
-  void choose_any(const ActiveRay& ray, const Leaf& leaf, std::uint32_t possible, bool certain) const {
-    if (certain) {
-      finish(ray);
-      return;
-    }
-    for (; possible != 0 && !ray.state.found(); possible &= possible - 1)
-      if (in_double(ray, leaf, index_of_lowest_bit(possible))) finish(ray);
   }
 
   /// lows: none of the points begins before, from `start` on.

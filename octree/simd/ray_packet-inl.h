@@ -291,9 +291,8 @@ class RayPacket {
   void visit_leaves(const Node& node, const Frame& frame, const Slots& slots, const Faces& faces,
                     unsigned leaves, unsigned single) {
     for (unsigned rest = leaves; rest != 0; rest &= rest - 1) {
-      const std::uint16_t* coordinates =
-          setup_.tree.coordinates + std::size_t{3} * slots.first_point(node, std::countr_zero(rest));
-      for (int line = 0; line < 3; ++line) hwy::Prefetch(coordinates + 32 * line);
+      const int slot = std::countr_zero(rest);
+      traversed_.leaf_test.fetch(slots.first_point(node, slot), node.kind[slot]);
     }
     leaf_test_.enter(frame);
     const SlotOrder order = nearest_first(leaves);

@@ -110,9 +110,7 @@ class RayStream {
       met_slots |= 1u << slot;
       met[slot].pad();
       if ((slots.leaf >> slot & 1u) != 0) {
-        const std::uint16_t* coordinates =
-            setup_.tree.coordinates + std::size_t{3} * slots.first_point(node, slot);
-        for (int line = 0; line < 3; ++line) hwy::Prefetch(coordinates + 32 * line);  // of 64 bytes
+        traversed_.leaf_test.fetch(slots.first_point(node, slot), node.kind[slot]);
       } else {
         hwy::Prefetch(setup_.tree.nodes + slots.child(node, slot));
         hwy::Prefetch(&setup_.tree.nodes[slots.child(node, slot)].high[1]);

@@ -176,10 +176,7 @@ class RayWalk {
     const Slots slots(node);
     for (unsigned leaves = leaves_; leaves != 0; leaves &= leaves - 1) {
       const int slot = std::countr_zero(leaves);
-      const std::uint16_t* coordinates =
-          traversed.setup.tree.coordinates + std::size_t{3} * slots.first_point(node, slot);
-      const int values = 3 * node.kind[slot];
-      for (int value = 0; value < values; value += 32) hwy::Prefetch(coordinates + value);
+      traversed.leaf_test.fetch(slots.first_point(node, slot), node.kind[slot]);
     }
   }
 

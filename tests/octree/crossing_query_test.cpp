@@ -110,9 +110,9 @@ RayQuery crossing_query(const RayQuery& from, Random& random) {
   query.measure = Measure::crossing;
   query.spacing_factor = k_factors[random.below(4)];
   if (std::isinf(query.radius)) query.radius = 1e9;
-  if (random.below(2) == 0) query.lone_factor = random.between(0.0, 2.0);
-  if (random.below(2) == 0) query.edge_shift = random.between(-0.5, 0.5);
-  if (random.below(2) == 0) query.lone_radius = query.radius * random.between(0.0, 0.5);
+  if (random.below(2) == 0) query.discs.lone_factor = random.between(0.0, 2.0);
+  if (random.below(2) == 0) query.discs.edge_shift = random.between(-0.5, 0.5);
+  if (random.below(2) == 0) query.discs.lone_radius = query.radius * random.between(0.0, 0.5);
   return query;
 }
 
@@ -234,6 +234,79 @@ TEST_P(CrossingVsBruteForce, an_interval_that_is_the_crossing_alone_holds_it) {
   EXPECT_GT(hit_count, 500u);
 }
 
+/// A sheet on which a position lies, by the surfaces of random points or of the one that was met there: its
+/// limits are as near to what they decide as floats can say.
+SheetOrigin sheet_at(const glm::dvec3& position, const std::optional<Hit>& met, const CloudCase& of,
+                     const Octree& octree, const RayQuery& query, Random& random) {
+  const auto random_disc = [&] {
+    const std::uint64_t id = met && random.below(2) == 0 ? met->point_id : random.below(of.cloud.size());
+    PointSurface surface = surface_of(octree.view(), id);
+    if (!surface.exists) surface.normal = random.direction();
+    return point_disc(of.cloud.world(id), surface, own_radius(query, of.spacings[id]));
+  };
+  SheetOrigin begin;
+  const PointDisc alike = random_disc(), near = random_disc(), through = random_disc();
+  begin.normal = alike.normal;
+  if (random.below(3) == 0) {
+    // Turned to the limit.
+    const glm::dvec3 aside = glm::cross(alike.normal, random.direction());
+    const double sine = std::sqrt(1.0 - k_same_sheet_cosine * k_same_sheet_cosine);
+    begin.normal = k_same_sheet_cosine * alike.normal + sine * glm::normalize(aside);
+  }
+  begin.reach = static_cast<float>(random.below(2) == 0 ? glm::length(position - near.point)
+                                                        : query.radius * random.between(0.0, 2.0));
+  const double height = std::fabs(glm::dot(position - through.center, through.normal));
+  begin.thickness =
+      static_cast<float>(random.below(2) == 0 ? height : random.between(0.0, 0.2) * query.radius);
+  return begin;
+}
+
+TEST_P(CrossingVsBruteForce, the_sheet_that_a_ray_begins_on_is_not_met) {
+  BuildOptions options;
+  options.instruction_set = GetParam();
+  std::size_t hits_of_all = 0, left = 0;
+  for (const CloudCase& cloud_case : cloud_cases()) {
+    if (cloud_case.cloud.size() == 0) continue;
+    const Octree octree = with_discs_of(build(cloud_case.cloud, options), cloud_case.fitted);
+    const brute_force::PointProperties properties(cloud_case.spacings, &octree.view());
+    Random random(cloud_case.name + "_sheets_left");
+    for (int turn = 0; turn < 6; ++turn) {
+      const double radius = std::max(2.0 * automatic_radius(octree), 1e-3) * std::pow(8.0, turn % 3);
+      RayQuery query = crossing_query({.radius = radius}, random);
+      std::vector<Ray> rays;
+      std::vector<SheetOrigin> begins;
+      for (int i = 0; i < 50; ++i) {
+        const glm::dvec3 to = cloud_case.cloud.world(random.below(cloud_case.cloud.size()));
+        const Ray first = make_ray(to + radius * random.in_cube(), random.direction());
+        const auto met = brute_force::closest(cloud_case.cloud, first, query, properties);
+        const glm::dvec3 start = met ? first.position(met->t) : first.origin;
+        rays.push_back(make_ray(start, random.direction(), i % 4 == 0 ? -0.1 * radius : 0.0));
+        begins.push_back(i % 5 == 0 ? SheetOrigin{}
+                                    : sheet_at(start, met, cloud_case, octree, query, random));
+      }
+      std::vector<std::optional<Hit>> hits(rays.size()), of_all(rays.size());
+      std::vector<std::uint8_t> blocked(rays.size());
+      closest(octree, rays, query, of_all);
+      query.discs.begins = begins;
+      closest(octree, rays, query, hits);
+      occluded(octree, rays, query, blocked);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        SCOPED_TRACE(cloud_case.name + " turn " + std::to_string(turn) + " ray " + std::to_string(i));
+        RayQuery alone = query;
+        alone.discs.begins = std::span(begins).subspan(i, 1);
+        const auto expected = brute_force::closest(cloud_case.cloud, rays[i], alone, properties);
+        ASSERT_TRUE(same_hits(hits[i], expected));
+        ASSERT_EQ(blocked[i] != 0, expected.has_value());
+        ASSERT_TRUE(same_hits(closest(octree, rays[i], alone), expected));
+        hits_of_all += expected.has_value();
+        left += of_all[i].has_value() && !same_hits(of_all[i], expected);
+      }
+    }
+  }
+  EXPECT_GT(hits_of_all, 1000u);
+  EXPECT_GT(left, 300u);
+}
+
 TEST_P(CrossingVsBruteForce, spheres_that_hold_a_position_are_all_that_do) {
   std::size_t held = 0;
   for (const CloudCase& cloud_case : cloud_cases()) {
@@ -287,7 +360,7 @@ TEST(Crossing, of_a_plane_is_known_on_paper) {
   const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-3), glm::dvec3(0)});
   const Octree octree = with_discs(with_surfaces(with_spacings(build(cloud), k_neighbours)));
   const RayQuery query{
-      .radius = 1.0, .measure = Measure::crossing, .spacing_factor = 0.92, .lone_radius = 0.25};
+      .radius = 1.0, .measure = Measure::crossing, .spacing_factor = 0.92, .discs = {.lone_radius = 0.25}};
   const glm::dvec3 direction = glm::normalize(glm::dvec3(3.0, 0.0, -4.0));
   const auto on_plane = closest(octree, make_ray({-1.2, 0.43, 2.0}, direction), query);
   ASSERT_TRUE(on_plane);
@@ -369,7 +442,7 @@ TEST(Crossing, sheets_end_where_they_do_however_wide_discs_are_and_farther_on_re
     };
     EXPECT_TRUE(is_met(2.02)) << factor;
     EXPECT_FALSE(is_met(2.12)) << factor;
-    query.edge_shift = 0.5;
+    query.discs.edge_shift = 0.5;
     EXPECT_TRUE(is_met(2.12)) << factor;
   }
 }
@@ -383,10 +456,12 @@ TEST(Crossing, without_what_it_needs_is_an_error) {
   EXPECT_NO_THROW(closest(octree, ray, query));
   EXPECT_THROW(closest(spaced, ray, query), Error);
   EXPECT_THROW(brute_force::closest(cloud, ray, query, spacings_in_order(spaced.view())), Error);
-  for (const RayQuery& bad :
-       {RayQuery{.radius = 1.0, .measure = Measure::crossing},
-        RayQuery{.measure = Measure::crossing, .spacing_factor = 1.0},
-        RayQuery{.radius = 1.0, .measure = Measure::crossing, .spacing_factor = 1.0, .lone_radius = -1.0}})
+  for (const RayQuery& bad : {RayQuery{.radius = 1.0, .measure = Measure::crossing},
+                              RayQuery{.measure = Measure::crossing, .spacing_factor = 1.0},
+                              RayQuery{.radius = 1.0,
+                              .measure = Measure::crossing,
+                              .spacing_factor = 1.0,
+                              .discs = {.lone_radius = -1.0}}})
     EXPECT_THROW(closest(octree, ray, bad), Error);
   EXPECT_THROW(
       closest(octree, make_cone({0, -5, 0}, {0, 1, 0}, 0.1), ConeQuery{.measure = Measure::crossing}), Error);

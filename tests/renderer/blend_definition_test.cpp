@@ -139,9 +139,9 @@ HitTrust trust_of(const PlainPoints& points, const Ray& ray, const Hit& first) {
     trust.sigma = std::sqrt(sums.variance + along * along / trust.support);
   }
   RayQuery wide = points.query;
-  wide.edge_shift = k_shift;
+  wide.discs.edge_shift = k_shift;
   wide.spacing_factor *= k_wider;
-  wide.lone_factor *= k_larger;
+  wide.discs.lone_factor *= k_larger;
   const auto earlier = brute_force::closest(points.cloud, ray, wide, {points.spacings, &points.tree});
   if (earlier) trust.sigma = std::max(trust.sigma, (first.t - earlier->t) / k_apart);
   // From rim to rim.

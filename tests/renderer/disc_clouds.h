@@ -47,7 +47,7 @@ struct PlainPoints {
         query{.radius = loaded.radius,
               .measure = Measure::crossing,
               .spacing_factor = loaded.spacing_factor,
-              .lone_radius = loaded.lone_radius},
+              .discs = {.lone_radius = loaded.lone_radius}},
         spacings(spacings_in_order(tree)) {
     cloud.lattice = tree.lattice;
     cloud.positions = positions_in_order(tree);
