@@ -19,8 +19,7 @@ struct KnownSet {
   std::int64_t target;
 };
 
-constexpr std::array<KnownSet, 5> k_known_sets{{{InstructionSet::scalar, "scalar", 0},
-                                                {InstructionSet::ssse3, "ssse3", HWY_SSSE3},
+constexpr std::array<KnownSet, 4> k_known_sets{{{InstructionSet::scalar, "scalar", 0},
                                                 {InstructionSet::sse4, "sse4", HWY_SSE4},
                                                 {InstructionSet::avx2, "avx2", HWY_AVX2},
                                                 {InstructionSet::avx512, "avx512", HWY_AVX3}}};

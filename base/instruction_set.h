@@ -7,7 +7,7 @@
 namespace alidade {
 
 /// Instruction sets that the traversal is compiled for. `best` = the widest of this machine.
-enum class InstructionSet { best, scalar, ssse3, sse4, avx2, avx512 };
+enum class InstructionSet { best, scalar, sse4, avx2, avx512 };
 
 /// The sets compiled in and usable on this machine, narrowest first; `scalar` is always one.
 std::vector<InstructionSet> available_instruction_sets();

@@ -48,8 +48,10 @@ function(alidade_compile_alone)
   endforeach()
 endfunction()
 
-# alidade_choose_lanes(TARGET) compiles a target that has lanes as ALIDADE_SCALAR says.
+# alidade_choose_lanes(TARGET) compiles a target that has lanes as ALIDADE_SCALAR says. Processors of before 2008 have SSSE3 and
+# nothing wider; they take the scalar way.
 function(alidade_choose_lanes target)
+  target_compile_definitions(${target} PRIVATE HWY_DISABLED_TARGETS=HWY_SSSE3)
   if(ALIDADE_SCALAR)
     # Highway's two ways to do without SIMD: its portable vectors where the compiler gets them right (gcc from 12.3
     # on, clang), otherwise one lane. Without the option it chooses likewise, so both are worth testing.

@@ -30,13 +30,6 @@
 #else
 #define ALIDADE_CASE_SSE4(table)
 #endif
-#if HWY_TARGETS & HWY_SSSE3
-#define ALIDADE_CASE_SSSE3(table) \
-  case InstructionSet::ssse3:     \
-    return N_SSSE3::table;
-#else
-#define ALIDADE_CASE_SSSE3(table)
-#endif
 #if HWY_TARGETS & HWY_SCALAR
 #define ALIDADE_CASE_SCALAR(table) \
   default:                         \
@@ -52,6 +45,5 @@
     ALIDADE_CASE_AVX512(table)                       \
     ALIDADE_CASE_AVX2(table)                         \
     ALIDADE_CASE_SSE4(table)                         \
-    ALIDADE_CASE_SSSE3(table)                        \
     ALIDADE_CASE_SCALAR(table)                       \
   }

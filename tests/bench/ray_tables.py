@@ -99,7 +99,7 @@ def instruction_sets_table(results, n=10**6):
         word = name.split("/")[1]
         if word not in names:
             names.append(word)
-    order = [name for name in ["scalar", "ssse3", "sse4", "avx2", "avx512"] if name in names]
+    order = [name for name in ["scalar", "sse4", "avx2", "avx512"] if name in names]
     rows = []
     for question in ["closest", "occluded"]:
         for rays in ["P", "S"]:

@@ -298,8 +298,8 @@ TEST(RayQuery, many_points_at_few_positions_keep_the_lowest_id) {
 
 TEST(Octree, an_instruction_set_the_machine_lacks_is_an_error) {
   const std::vector<InstructionSet> available = available_instruction_sets();
-  for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::ssse3, InstructionSet::sse4,
-                                   InstructionSet::avx2, InstructionSet::avx512}) {
+  for (const InstructionSet set :
+       {InstructionSet::scalar, InstructionSet::sse4, InstructionSet::avx2, InstructionSet::avx512}) {
     const bool has = std::ranges::find(available, set) != available.end();
     if (has) {
       EXPECT_EQ(build(PointCloud{}, options_for(set)).instruction_set(), set);
