@@ -170,9 +170,10 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
         const glm::dvec3 start = from + radius * random.in_cube(),
                          way = to + radius * random.in_cube() - start;
         if (!(glm::dot(way, way) > 0.0)) continue;
-        // Of one start, along one direction, and any.
+        // Of one start, side by side in one direction, and any.
         const bool follows = !rays.empty() && turn % 3 != 2;
-        rays.push_back(make_ray(follows && turn % 3 == 0 ? rays[0].origin : start,
+        const glm::dvec3 beside = follows ? rays[0].origin + 0.01 * radius * random.in_cube() : start;
+        rays.push_back(make_ray(turn % 3 == 0 && follows ? rays[0].origin : beside,
                                 follows && turn % 3 == 1 ? rays[0].direction + 0.01 * random.in_cube() : way,
                                 i % 4 == 0 ? random.between(-radius, radius) : 0.0));
       }
@@ -275,12 +276,19 @@ TEST_P(CrossingVsBruteForce, the_sheet_that_a_ray_begins_on_is_not_met) {
       RayQuery query = crossing_query({.radius = radius}, random);
       std::vector<Ray> rays;
       std::vector<SheetOrigin> begins;
+      // Rays side by side, whose answers lie in lanes, too, and others.
+      const glm::dvec3 middle = cloud_case.cloud.world(random.below(cloud_case.cloud.size()));
+      const glm::dvec3 there = random.direction(), back = random.direction();
       for (int i = 0; i < 50; ++i) {
         const glm::dvec3 to = cloud_case.cloud.world(random.below(cloud_case.cloud.size()));
-        const Ray first = make_ray(to + radius * random.in_cube(), random.direction());
+        const bool is_beside = turn % 2 == 1;
+        const Ray first =
+            is_beside ? make_ray(middle + 0.3 * radius * random.in_cube() - 3.0 * radius * there, there)
+                      : make_ray(to + radius * random.in_cube(), random.direction());
         const auto met = brute_force::closest(cloud_case.cloud, first, query, properties);
         const glm::dvec3 start = met ? first.position(met->t) : first.origin;
-        rays.push_back(make_ray(start, random.direction(), i % 4 == 0 ? -0.1 * radius : 0.0));
+        rays.push_back(make_ray(start, is_beside ? back + 0.005 * random.in_cube() : random.direction(),
+                                i % 4 == 0 ? -0.1 * radius : 0.0));
         begins.push_back(i % 5 == 0 ? SheetOrigin{}
                                     : sheet_at(start, met, cloud_case, octree, query, random));
       }
