@@ -80,8 +80,8 @@ struct PathHit {
 // - Common Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite, or above 0 for an
 //   octree without spacings; Measure::entry with an infinite radius (of rays) or at all (of paths);
 //   Measure::crossing of cones and paths, or without what it needs; max_level negative, or given for an
-//   octree that is not layered; room for answers not as long as the targets. A batch with Errors leaves its
-//   answers incomplete.
+//   octree that is not layered; room for answers, or DiscQuery::begins, not as long as the targets. A batch
+//   with Errors leaves its answers incomplete.
 
 class Octree;
 
@@ -127,7 +127,7 @@ constexpr int k_all_levels = std::numeric_limits<int>::max();
 /// (is_part_of_surface()) and whose normal deviates by at most 32 degrees. A reach of 0: the ray begins in the
 /// air.
 struct SheetOrigin {
-  glm::dvec3 normal{0.0, 0.0, 1.0};
+  glm::dvec3 normal{0.0, 0.0, 1.0};      ///< of length 1; not checked
   float reach = 0.0f, thickness = 0.0f;  ///< metres
 };
 

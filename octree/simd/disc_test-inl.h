@@ -41,7 +41,7 @@ struct LeftSheet {
   LeftSheet(const ActiveRay& ray, const RayQuery& query, double start, double error) {
     if (query.discs.begins.empty()) return;
     const SheetOrigin& begin = query.discs.begins[ray.query_index];
-    if (begin.reach == 0.0f) return;
+    if (!(begin.reach > 0.0f)) return;
     // The spheres around points that count lie in the leaf's box, widened: no point is nearer than `there`.
     const double there = start + ray.state.shift;
     constexpr double k_slack = 1.0 - 0x1p-20;

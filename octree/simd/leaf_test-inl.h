@@ -100,7 +100,10 @@ class LeafTest {
   HWY_INLINE void fetch(std::uint32_t first, std::uint32_t count) const {
     fetch(setup_.tree.coordinates + std::size_t{3} * first, std::size_t{3} * count);
     if constexpr (radii == Radii::own) fetch(setup_.tree.spacings + first, count);
-    if constexpr (measure == Measure::crossing) fetch(setup_.tree.stored_surfaces + first, count);
+    if constexpr (measure == Measure::crossing) {
+      fetch(setup_.tree.stored_surfaces + first, count);
+      fetch(setup_.tree.stored_edges + first, count);
+    }
   }
 
   /// The ray's best point as a hit.

@@ -289,8 +289,9 @@ TEST_P(CrossingVsBruteForce, the_sheet_that_a_ray_begins_on_is_not_met) {
         const glm::dvec3 start = met ? first.position(met->t) : first.origin;
         rays.push_back(make_ray(start, is_beside ? back + 0.005 * random.in_cube() : random.direction(),
                                 i % 4 == 0 ? -0.1 * radius : 0.0));
-        begins.push_back(i % 5 == 0 ? SheetOrigin{}
-                                    : sheet_at(start, met, cloud_case, octree, query, random));
+        begins.push_back(i % 5 == 0
+                             ? SheetOrigin{.reach = -0.1f * static_cast<float>(i % 2), .thickness = 9.0f}
+                             : sheet_at(start, met, cloud_case, octree, query, random));
       }
       std::vector<std::optional<Hit>> hits(rays.size()), of_all(rays.size());
       std::vector<std::uint8_t> blocked(rays.size());
@@ -306,6 +307,9 @@ TEST_P(CrossingVsBruteForce, the_sheet_that_a_ray_begins_on_is_not_met) {
         ASSERT_TRUE(same_hits(hits[i], expected));
         ASSERT_EQ(blocked[i] != 0, expected.has_value());
         ASSERT_TRUE(same_hits(closest(octree, rays[i], alone), expected));
+        ASSERT_EQ(occluded(octree, rays[i], alone), expected.has_value());
+        ASSERT_TRUE(same_hits(find(octree, rays[i], alone),
+                              brute_force::find(cloud_case.cloud, rays[i], alone, properties)));
         hits_of_all += expected.has_value();
         left += of_all[i].has_value() && !same_hits(of_all[i], expected);
       }
@@ -471,6 +475,25 @@ TEST(Crossing, without_what_it_needs_is_an_error) {
                               .spacing_factor = 1.0,
                               .discs = {.lone_radius = -1.0}}})
     EXPECT_THROW(closest(octree, ray, bad), Error);
+  // Sheets that rays begin on: one for each ray, and of crossings only.
+  const std::vector<SheetOrigin> begins(2);
+  const std::vector<Ray> rays(3, ray);
+  std::vector<std::optional<Hit>> hits(3);
+  std::vector<std::uint8_t> blocked(3);
+  std::vector<std::size_t> counts(3);
+  RayQuery wrong = query;
+  wrong.discs.begins = begins;
+  EXPECT_THROW(closest(octree, ray, wrong), Error);
+  EXPECT_THROW(occluded(octree, ray, wrong), Error);
+  EXPECT_THROW(find(octree, ray, wrong), Error);
+  EXPECT_THROW(count(octree, ray, wrong), Error);
+  EXPECT_THROW(closest(octree, rays, wrong, hits), Error);
+  EXPECT_THROW(occluded(octree, rays, wrong, blocked), Error);
+  EXPECT_THROW(find(octree, rays, wrong), Error);
+  EXPECT_THROW(count(octree, rays, wrong, counts), Error);
+  wrong.measure = Measure::t;
+  wrong.discs.begins = std::span(begins).first(1);
+  EXPECT_THROW(closest(octree, ray, wrong), Error);
   EXPECT_THROW(
       closest(octree, make_cone({0, -5, 0}, {0, 1, 0}, 0.1), ConeQuery{.measure = Measure::crossing}), Error);
   EXPECT_THROW(find(octree, make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.measure = Measure::crossing}),
