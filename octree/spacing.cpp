@@ -47,6 +47,27 @@ class Neighbours {
     }
   }
 
+  /// The same as they are stored; for all levels.
+  void spacings(std::span<const glm::dvec3> positions, std::uint16_t* bits) {
+    const TreeView& tree = octree_.view();
+    const bool suits = std::ranges::all_of(positions, [&](const glm::dvec3& position) {
+      return simd::suits_lanes(tree, position, PointQuery{});
+    });
+    if (suits) {
+      simd::search<glm::dvec3>(octree_.instruction_set())
+          .spacings_in_turn(tree, positions, number_, reach_, bits);
+    } else {
+      std::fill_n(bits, positions.size(), simd::k_unknown_spacing);
+    }
+    left_.clear();
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      if (bits[i] == simd::k_unknown_spacing) left_.push_back(positions[i]);
+    distances_.clear();
+    spacings(left_, distances_);
+    for (std::size_t i = 0, next = 0; i < positions.size(); ++i)
+      if (bits[i] == simd::k_unknown_spacing) bits[i] = spacing_bits(distances_[next++]);
+  }
+
   double spacing(const glm::dvec3& position) {
     std::vector<double> spacing;
     spacings(std::span(&position, 1), spacing);
@@ -75,6 +96,8 @@ class Neighbours {
   double reach_ = 0.0;
   std::vector<PointHit> nearest_;
   std::vector<std::size_t> ends_;
+  std::vector<glm::dvec3> left_;
+  std::vector<double> distances_;
 };
 
 bool before(const glm::dvec3& a, const glm::dvec3& b) {
@@ -102,10 +125,9 @@ class SpacingMeter {
       last_ = position;
       numbers[i] = positions_.size();
     }
-    neighbours_.spacings(positions_, spacings_);
-    for (std::uint32_t i = 0; i < leaf.count; ++i)
-      spacings[leaf.first + i] = spacing_bits(spacings_[numbers[i]]);
-    spacings_ = {spacings_.back()};
+    neighbours_.spacings(positions_, bits_ + 1);
+    for (std::uint32_t i = 0; i < leaf.count; ++i) spacings[leaf.first + i] = bits_[numbers[i]];
+    bits_[0] = bits_[positions_.size()];
   }
 
  private:
@@ -115,7 +137,7 @@ class SpacingMeter {
   LatticePosition last_{};
   std::vector<glm::dvec3> positions_;
   /// Those of the positions, behind that of the last one of the leaf before.
-  std::vector<double> spacings_{0.0};
+  std::uint16_t bits_[k_max_leaf_size + 1] = {};
 };
 
 }  // namespace

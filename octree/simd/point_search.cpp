@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "octree/simd/choose_table.h"
 #include "octree/simd/local_point-inl.h"
 #include "octree/simd/nearest_first-inl.h"
+#include "octree/spacing.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
@@ -138,13 +140,43 @@ class NearestGroup {
     if (!box.empty()) BoxWalk(tree_, box, query_.max_level, *this).run();
     if (is_done()) return false;
     for (std::size_t i = 0; i < count_; ++i) {
-      const glm::dvec3 position = to_world(tree_.lattice, points_.stored[i].position);
-      for (int axis = 0; axis < 3; ++axis)
-        points_.local[axis][i] = static_cast<float>(position[axis] - center_[axis]);
-      points_.position[i] = position;
+      const glm::dvec3 offset = to_world(tree_.lattice, points_.stored[i].position) - center_;
+      for (int axis = 0; axis < 3; ++axis) points_.local[axis][i] = static_cast<float>(offset[axis]);
     }
     for (int axis = 0; axis < 3; ++axis) std::fill_n(points_.local[axis] + count_, k_lanes, 1e18f);
     return true;
+  }
+
+  /// The distance from one of the targets to the n-th nearest point elsewhere, within `error` of it; n = k - 1.
+  /// Empty where other points may be at its own position, or not among those that were collected.
+  struct Spacing {
+    double distance, error;
+  };
+  std::optional<Spacing> spacing(const glm::dvec3& target) {
+    const std::size_t near_count = find_near(target);
+    if (near_count < k_ || near_count > k_most_near) return std::nullopt;
+    const PointLanes d;
+    const hn::RebindToSigned<PointLanes> ints;
+    const auto* const near_sq = points_.near_sq;
+    std::fill_n(points_.near_sq + near_count, k_lanes, std::numeric_limits<float>::infinity());
+    const auto all_but_one = hn::Set(ints, static_cast<std::int32_t>(k_ - 1));
+    const float twin_sq = 4.0f * error_ * error_ * k_up;
+    std::size_t at_target = 0;
+    auto farthest_sq = hn::Zero(d);
+    for (std::size_t i = 0; i < near_count; i += hn::Lanes(d)) {
+      const auto distances_sq = hn::Load(d, near_sq + i);
+      at_target += hn::CountTrue(d, hn::Le(distances_sq, hn::Set(d, twin_sq)));
+      auto nearer = hn::Zero(ints);
+      for (std::size_t j = 0; j < near_count; ++j) {
+        const auto is_nearer = hn::RebindMask(ints, hn::Lt(hn::Set(d, near_sq[j]), distances_sq));
+        nearer = hn::Add(nearer, hn::IfThenElseZero(is_nearer, hn::Set(ints, 1)));
+      }
+      const auto is_among = hn::RebindMask(d, hn::Not(hn::Gt(nearer, all_but_one)));
+      farthest_sq = hn::Max(farthest_sq, hn::IfThenElseZero(is_among, distances_sq));
+    }
+    const double distance = std::sqrt(static_cast<double>(hn::GetLane(hn::MaxOfLanes(d, farthest_sq))));
+    if (at_target != 1 || !(distance + error_ <= reach_)) return std::nullopt;
+    return Spacing{distance, error_};
   }
 
   /// Appends the answers of one of the targets. False, and nothing appended: there are points that were not
@@ -184,7 +216,6 @@ class NearestGroup {
     alignas(64) std::int32_t rank[k_most_near + 2 * k_lanes];
     std::int32_t order[k_most_near];
     StoredPoint stored[k_most_points + k_unpack_room];
-    glm::dvec3 position[k_most_points];
   };
 
   /// Finds the collected points that may lie within reach and radius; how many.
@@ -223,8 +254,9 @@ class NearestGroup {
     const std::size_t first = answers.size();
     for (std::size_t i = 0; i < candidates; ++i) {
       const auto point = static_cast<std::size_t>(points_.near[points_.order[i]]);
+      const StoredPoint& stored = points_.stored[point];
       const auto answer =
-          decider.evaluate(points_.position[point], point_id(tree_, points_.stored[point].index));
+          decider.evaluate(to_world(tree_.lattice, stored.position), point_id(tree_, stored.index));
       if (!answer) continue;
       answers.push_back(*answer);
       for (std::size_t at = answers.size() - 1; at > first && decider.precedes(answers[at], answers[at - 1]);
@@ -302,23 +334,19 @@ std::size_t group_size(std::span<const glm::dvec3> targets, double reach) {
   return std::max<std::size_t>(count, 1);
 }
 
-void find_in_turn(const TreeView& tree, std::span<const glm::dvec3> targets, const PointQuery& query,
-                  std::size_t k, double& reach, std::vector<PointHit>& answers,
-                  std::vector<std::size_t>& ends) {
+/// Calls answer(target, group) for one target after another; the group has collected the points around it, or
+/// is null. The answer is the distance up to which points of the next targets should be collected.
+template <class AnswerOne>
+void in_turn(const TreeView& tree, std::span<const glm::dvec3> targets, const PointQuery& query,
+             std::size_t k, double& reach, const AnswerOne& answer) {
   constexpr std::size_t k_fewest = 4;  // smaller groups are searched singly
   constexpr double k_allowance = 1.15;
   NearestGroup group(tree, query, k);
-  const double reach_of_few = std::isinf(query.radius) ? 0.0 : query.radius;
   while (!targets.empty()) {
     const std::size_t count = group_size(targets, reach);
     const bool is_collected = count >= k_fewest && group.collect(targets.first(count), reach);
     double reaches[NearestGroup::k_most_targets] = {};
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t first = answers.size();
-      if (!is_collected || !group.find(targets[i], answers)) find(tree, targets[i], query, k, 0, answers);
-      ends.push_back(answers.size());
-      reaches[i] = answers.size() - first < k ? reach_of_few : answers.back().distance;
-    }
+    for (std::size_t i = 0; i < count; ++i) reaches[i] = answer(targets[i], is_collected ? &group : nullptr);
     // Nine in ten, so that a few outliers do not make the next group collect too much.
     double* const most = reaches + count * 9 / 10;
     std::nth_element(reaches, most, reaches + count);
@@ -327,7 +355,35 @@ void find_in_turn(const TreeView& tree, std::span<const glm::dvec3> targets, con
   }
 }
 
-constexpr Search<glm::dvec3> k_point_search{find, count, find_in_turn};
+void find_in_turn(const TreeView& tree, std::span<const glm::dvec3> targets, const PointQuery& query,
+                  std::size_t k, double& reach, std::vector<PointHit>& answers,
+                  std::vector<std::size_t>& ends) {
+  const double reach_of_few = std::isinf(query.radius) ? 0.0 : query.radius;
+  in_turn(tree, targets, query, k, reach, [&](const glm::dvec3& target, NearestGroup* group) {
+    const std::size_t first = answers.size();
+    if (group == nullptr || !group->find(target, answers)) find(tree, target, query, k, 0, answers);
+    ends.push_back(answers.size());
+    return answers.size() - first < k ? reach_of_few : answers.back().distance;
+  });
+}
+
+void spacings_in_turn(const TreeView& tree, std::span<const glm::dvec3> targets, std::size_t n, double& reach,
+                      std::uint16_t* spacings) {
+  const PointQuery query{.k = n + 1};
+  in_turn(tree, targets, query, query.k, reach, [&](const glm::dvec3& target, NearestGroup* group) {
+    std::optional<NearestGroup::Spacing> found;
+    if (group != nullptr) found = group->spacing(target);
+    *spacings = k_unknown_spacing;
+    if (found) {
+      const std::uint16_t low = spacing_bits(std::max(found->distance - found->error, 0.0));
+      if (low == spacing_bits(found->distance + found->error)) *spacings = low;
+    }
+    ++spacings;
+    return found ? found->distance : reach;
+  });
+}
+
+constexpr Search<glm::dvec3> k_point_search{find, count, find_in_turn, spacings_in_turn};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd

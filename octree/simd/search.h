@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -13,6 +14,9 @@ namespace alidade::simd {
 
 /// More neighbours take so long to choose that sharing the way to them gains little.
 constexpr std::size_t k_most_in_turn = 64;
+
+/// No spacing has these bits.
+constexpr std::uint16_t k_unknown_spacing = 0xffff;
 
 /// Queries of one family, by any measure and with any conditions, compiled for one instruction set: of rays
 /// those that Traversal (octree/simd/traversal.h) does not answer, of points, and of boxes. Lanes only
@@ -34,6 +38,10 @@ struct Search {
   void (*find_in_turn)(const TreeView& tree, std::span<const T> targets, const QueryOf<T>& query,
                        std::size_t k, double& reach, std::vector<AnswerOf<T>>& answers,
                        std::vector<std::size_t>& ends) = nullptr;
+  /// Of points: for one target after another, each of which is the position of a point, its spacing to the
+  /// n-th neighbour as it is stored (octree/spacing.h), or k_unknown_spacing where floats do not settle it.
+  void (*spacings_in_turn)(const TreeView& tree, std::span<const T> targets, std::size_t n, double& reach,
+                           std::uint16_t* spacings) = nullptr;
 };
 
 /// The search for an available instruction set (not `best`).
