@@ -119,7 +119,10 @@ LocalPlane plane_of(const simd::Moments& moments, double reach) {
 }
 
 LocalPlane local_plane(const Octree& octree, const glm::dvec3& position, double reach) {
-  return plane_of(simd::local_sums(octree.instruction_set()).around(octree.view(), {position, reach}), reach);
+  const simd::LocalSums& sums = simd::local_sums(octree.instruction_set());
+  simd::BallPoints points;
+  sums.gather(octree.view(), {position, reach}, points);
+  return plane_of(sums.moments(points), reach);
 }
 
 }  // namespace alidade

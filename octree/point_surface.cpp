@@ -106,16 +106,17 @@ PointSurface unpack(std::uint32_t packed, double unit) {
 /// The points within reach of a position.
 class PointsNear {
  public:
-  PointsNear(const Octree& octree, const simd::Ball& ball)
-      : tree_(octree.view()), sums_(simd::local_sums(octree.instruction_set())), ball_(ball) {}
+  /// points: of a ball with this reach.
+  PointsNear(const simd::LocalSums& sums, const simd::BallPoints& points, double reach)
+      : sums_(sums), points_(points), reach_(reach) {}
 
-  double reach() const { return ball_.reach; }
+  double reach() const { return reach_; }
 
-  LocalPlane plane() const { return plane_of(sums_.around(tree_, ball_), reach()); }
-  simd::Moments of_layer(const simd::Layer& layer) const { return sums_.of_layer(tree_, ball_, layer); }
-  simd::HeightSums heights(const simd::Level& level) const { return sums_.heights(tree_, ball_, level); }
+  LocalPlane plane() const { return plane_of(sums_.moments(points_), reach_); }
+  simd::Moments of_layer(const simd::Layer& layer) const { return sums_.of_layer(points_, layer); }
+  simd::HeightSums heights(const simd::Level& level) const { return sums_.heights(points_, level); }
   simd::Extents extents(const simd::Layer& layer, const simd::Fan& fan) const {
-    return sums_.extents(tree_, ball_, layer, fan);
+    return sums_.extents(points_, layer, fan);
   }
 
   /// The plane that is `height` below the position. Metres.
@@ -124,9 +125,9 @@ class PointsNear {
   }
 
  private:
-  const TreeView& tree_;
   const simd::LocalSums& sums_;
-  const simd::Ball ball_;
+  const simd::BallPoints& points_;
+  const double reach_;
 };
 
 /// Heights of two sheets above a position, along a normal. Metres.
@@ -237,17 +238,24 @@ std::uint8_t fit_sheet_edge(const PointsNear& points, const PointSurface& surfac
 /// Finds the points around positions that are close together: the nodes they are in are found once for many.
 class Neighbourhood {
  public:
-  explicit Neighbourhood(const Octree& octree) : octree_(octree) {}
+  explicit Neighbourhood(const Octree& octree)
+      : tree_(octree.view()), sums_(simd::local_sums(octree.instruction_set())) {}
 
   /// The positions of the next points.
   void enter(const Bounds& box) { next_ = box; }
 
+  /// Valid until the next call.
   PointsNear points(const glm::dvec3& position, double reach) {
-    // Nodes of a much longer reach would take longer than the walk.
-    constexpr double k_longest = 4.0;
-    const bool found = box_.contains(position) && reach <= reach_ && reach_ <= k_longest * reach;
-    if (!found) find(position, reach);
-    return PointsNear(octree_, {position, reach, &nodes_});
+    if (reach != gathered_reach_ || position != gathered_at_) {
+      // Nodes of a much longer reach would take longer than the walk.
+      constexpr double k_longest = 4.0;
+      const bool found = box_.contains(position) && reach <= reach_ && reach_ <= k_longest * reach;
+      if (!found) find(position, reach);
+      sums_.gather(tree_, {position, reach, &nodes_}, points_);
+      gathered_at_ = position;
+      gathered_reach_ = reach;
+    }
+    return {sums_, points_, reach};
   }
 
  private:
@@ -257,13 +265,17 @@ class Neighbourhood {
     reach_ = k_slack * reach;
     box_.min = glm::max(next_.min, position - k_side * reach);
     box_.max = glm::min(next_.max, position + k_side * reach);
-    simd::local_sums(octree_.instruction_set()).find_nodes(octree_.view(), box_, reach_, nodes_);
+    sums_.find_nodes(tree_, box_, reach_, nodes_);
   }
 
-  const Octree& octree_;
+  const TreeView& tree_;
+  const simd::LocalSums& sums_;
   Bounds next_, box_;
   double reach_ = 0.0;
   std::vector<Frame> nodes_;
+  simd::BallPoints points_;
+  glm::dvec3 gathered_at_{0.0};
+  double gathered_reach_ = 0.0;
 };
 
 struct FittedSurface {

@@ -98,47 +98,60 @@ HWY_INLINE void walk(const TreeView& tree, const Center& low, const Center& high
   }
 }
 
-/// Goes through the points of a ball.
-class PointsOfBall {
- public:
-  PointsOfBall(const TreeView& tree, const Ball& ball)
-      : tree_(tree), nodes_(ball.nodes), center_(tree, ball.position, ball.reach) {}
+constexpr int k_columns = 16, k_lanes = hn::MaxLanes(PointLanes()), k_parts = k_columns / k_lanes;
 
-  /// visit(part, x, y, z, closeness): a vector of points and 1 - |p|^2 of each, 0 of those that are not in
-  /// the ball. Its lanes are the columns from part * k_lanes on.
-  template <class Visit>
-  HWY_INLINE void for_each(const Visit& visit) const {
+/// Gathers the points of a ball.
+class Gatherer {
+ public:
+  Gatherer(const TreeView& tree, const Ball& ball, BallPoints& points)
+      : tree_(tree), center_(tree, ball.position, ball.reach), points_(points) {
+    points.count = 0;
     const auto visit_leaves = [&](const Frame& frame, const Slots& slots, unsigned leaves,
                                   const std::array<float, 3>& offset) {
       for (; leaves != 0; leaves &= leaves - 1) {
         const int slot = std::countr_zero(leaves);
-        visit_leaf(slots.leaf_in(tree_.nodes[frame.node], frame, slot), offset, visit);
+        add_leaf(slots.leaf_in(tree.nodes[frame.node], frame, slot), offset);
       }
     };
-    if (nodes_ == nullptr) return walk(tree_, center_, center_, visit_leaves);
-    for (const Frame& frame : *nodes_) {
-      const Node& node = tree_.nodes[frame.node];
-      const auto offset = center_.from(frame.corner);
-      const Slots slots(node);
-      visit_leaves(frame, slots, near_slots(node, frame.level, center_.scale(), offset, offset) & slots.leaf,
-                   offset);
+    if (ball.nodes == nullptr) {
+      walk(tree, center_, center_, visit_leaves);
+    } else {
+      for (const Frame& frame : *ball.nodes) {
+        const Node& node = tree.nodes[frame.node];
+        const auto offset = center_.from(frame.corner);
+        const Slots slots(node);
+        visit_leaves(frame, slots,
+                     near_slots(node, frame.level, center_.scale(), offset, offset) & slots.leaf, offset);
+      }
+    }
+    reserve();
+    const PointLanes d;
+    for (std::size_t i = 0; i < k_columns; i += k_lanes) {
+      for (std::vector<float>* column : {&points.x, &points.y, &points.z, &points.closeness})
+        hn::StoreU(hn::Zero(d), d, column->data() + points.count + i);
     }
   }
 
-  static constexpr int k_columns = 16, k_lanes = hn::MaxLanes(PointLanes()), k_parts = k_columns / k_lanes;
-
  private:
-  template <class Visit>
-  HWY_INLINE void visit_leaf(const Leaf& leaf, const std::array<float, 3>& offset, const Visit& visit) const {
+  /// For a leaf and the zeros.
+  void reserve() {
+    const std::size_t room = points_.count + k_max_leaf_size + k_columns;
+    if (points_.x.size() >= room) return;
+    for (std::vector<float>* column : {&points_.x, &points_.y, &points_.z, &points_.closeness})
+      column->resize(2 * room);
+  }
+
+  HWY_INLINE void add_leaf(const Leaf& leaf, const std::array<float, 3>& offset) {
     const PointLanes d;
+    reserve();
     if (tree_.positions && leaf.first >= tree_.first_exact) {
       const ExactSteps exact(tree_, leaf);
-      visit_points(leaf.count, offset, visit,
-                   [&](int axis, std::uint32_t first) { return hn::Load(d, exact.steps[axis] + first); });
+      add_points(leaf.count, offset,
+                 [&](int axis, std::uint32_t first) { return hn::Load(d, exact.steps[axis] + first); });
       return;
     }
     const std::uint16_t* coordinates = tree_.coordinates + std::size_t{3} * leaf.first;
-    visit_points(leaf.count, offset, visit, [&](int axis, std::uint32_t first) {
+    add_points(leaf.count, offset, [&](int axis, std::uint32_t first) {
       return load_as_float(d, coordinates + axis * leaf.count + first);
     });
   }
@@ -159,11 +172,10 @@ class PointsOfBall {
   };
 
   /// steps(axis, first): lattice steps from the frame's corner of a vector of points.
-  template <class Visit, class Steps>
-  HWY_INLINE void visit_points(std::uint32_t count, const std::array<float, 3>& offset, const Visit& visit,
-                               const Steps& steps) const {
+  template <class Steps>
+  HWY_INLINE void add_points(std::uint32_t count, const std::array<float, 3>& offset, const Steps& steps) {
     const PointLanes d;
-    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+    const auto one = hn::Set(d, 1.0f);
     for (std::uint32_t first = 0; first < count; first += k_lanes) {
       const auto on_axis = [&](int axis) {
         return hn::Sub(hn::Mul(steps(axis, first), hn::Set(d, center_.scale()[axis])),
@@ -171,16 +183,38 @@ class PointsOfBall {
       };
       const auto x = on_axis(0), y = on_axis(1), z = on_axis(2);
       const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
-      const auto closeness =
-          hn::IfThenElseZero(hn::FirstN(d, count - first), hn::Max(hn::Sub(one, square), zero));
-      visit(static_cast<int>(first / k_lanes) % k_parts, x, y, z, closeness);
+      const auto closeness = hn::Sub(one, square);
+      const auto is_in = hn::And(hn::Gt(closeness, hn::Zero(d)), hn::FirstN(d, count - first));
+      if (hn::AllFalse(d, is_in)) continue;
+      const Compressor compress(d, is_in);
+      hn::StoreU(compress(x), d, points_.x.data() + points_.count);
+      hn::StoreU(compress(y), d, points_.y.data() + points_.count);
+      hn::StoreU(compress(z), d, points_.z.data() + points_.count);
+      hn::StoreU(compress(closeness), d, points_.closeness.data() + points_.count);
+      points_.count += compress.count();
     }
   }
 
   const TreeView& tree_;
-  const std::vector<Frame>* const nodes_;
   const Center center_;
+  BallPoints& points_;
 };
+
+void gather(const TreeView& tree, const Ball& ball, BallPoints& points) {
+  Gatherer(tree, ball, points);
+}
+
+/// visit(part, x, y, z, closeness): a vector of points, closeness 0 behind the last one. Its lanes are the
+/// columns from part * k_lanes on.
+template <class Visit>
+HWY_INLINE void for_each(const BallPoints& points, const Visit& visit) {
+  const PointLanes d;
+  for (std::size_t first = 0; first < points.count; first += k_lanes) {
+    visit(static_cast<int>(first / k_lanes) % k_parts, hn::LoadU(d, points.x.data() + first),
+          hn::LoadU(d, points.y.data() + first), hn::LoadU(d, points.z.data() + first),
+          hn::LoadU(d, points.closeness.data() + first));
+  }
+}
 
 HWY_INLINE PointVector height_above(const Level& level, PointVector x, PointVector y, PointVector z) {
   const PointLanes d;
@@ -257,20 +291,41 @@ class Sums {
   }
 
   std::array<float, Terms::k_rows> totals() const {
-    const PointLanes d;
     std::array<float, Terms::k_rows> totals{};
-    for (int row = 0; row < Terms::k_rows; ++row) {
-      alignas(64) float columns[PointsOfBall::k_columns];
-      for (int part = 0; part < PointsOfBall::k_parts; ++part)
-        hn::Store(sums_[row][part], d, columns + part * PointsOfBall::k_lanes);
-      for (const float column : columns) totals[row] += column;
-    }
+    for (int row = 0; row < Terms::k_rows; ++row) totals[row] = total_of(sums_[row]);
     return totals;
   }
 
  private:
+  /// The upper half of the columns is added to the lower one, until one is left.
+  static HWY_INLINE float total_of(const PointVector (&parts)[k_parts]) {
+    PointVector sums[k_parts];
+    std::copy_n(parts, k_parts, sums);
+    for (int width = k_parts / 2; width > 0; width /= 2)
+      for (int part = 0; part < width; ++part) sums[part] = hn::Add(sums[part], sums[part + width]);
+    return total_of(PointLanes(), sums[0]);
+  }
+#if HWY_TARGET == HWY_SCALAR
+  static float total_of(PointLanes, PointVector sum) {
+    return hn::GetLane(sum);
+  }
+#else
+  template <class D>
+  static HWY_INLINE float total_of(D d, hn::Vec<D> sum) {
+    if constexpr (hn::MaxLanes(D()) > 4) {
+      const hn::Half<D> half;
+      return total_of(half, hn::Add(hn::LowerHalf(half, sum), hn::UpperHalf(half, sum)));
+    } else {
+      static_assert(hn::MaxLanes(D()) == 4);
+      alignas(16) float columns[4];
+      hn::Store(sum, d, columns);
+      return (columns[0] + columns[2]) + (columns[1] + columns[3]);
+    }
+  }
+#endif
+
   const Terms terms_;
-  PointVector sums_[Terms::k_rows][PointsOfBall::k_parts];
+  PointVector sums_[Terms::k_rows][k_parts];
 };
 
 Moments moments_of(const Sums<MomentTerms>& sums) {
@@ -287,30 +342,27 @@ void find_nodes(const TreeView& tree, const Bounds& box, double reach, std::vect
        [&](const Frame& frame, const auto&...) { nodes.push_back(frame); });
 }
 
-Moments around(const TreeView& tree, const Ball& ball) {
+Moments moments(const BallPoints& points) {
   Sums sums(MomentTerms{});
-  PointsOfBall(tree, ball)
-      .for_each([&](int part, PointVector x, PointVector y, PointVector z, PointVector closeness) {
-        sums.add(part, x, y, z, closeness);
-      });
+  for_each(points, [&](int part, PointVector x, PointVector y, PointVector z, PointVector closeness) {
+    sums.add(part, x, y, z, closeness);
+  });
   return moments_of(sums);
 }
 
-Moments of_layer(const TreeView& tree, const Ball& ball, const Layer& layer) {
+Moments of_layer(const BallPoints& points, const Layer& layer) {
   Sums sums(MomentTerms{});
-  PointsOfBall(tree, ball)
-      .for_each([&](int part, PointVector x, PointVector y, PointVector z, PointVector closeness) {
-        sums.add(part, x, y, z, in_layer(layer, x, y, z, closeness));
-      });
+  for_each(points, [&](int part, PointVector x, PointVector y, PointVector z, PointVector closeness) {
+    sums.add(part, x, y, z, in_layer(layer, x, y, z, closeness));
+  });
   return moments_of(sums);
 }
 
-HeightSums heights(const TreeView& tree, const Ball& ball, const Level& level) {
+HeightSums heights(const BallPoints& points, const Level& level) {
   Sums sums(HeightTerms{level});
-  PointsOfBall(tree, ball)
-      .for_each([&](int part, PointVector x, PointVector y, PointVector z, PointVector closeness) {
-        sums.add(part, x, y, z, closeness);
-      });
+  for_each(points, [&](int part, PointVector x, PointVector y, PointVector z, PointVector closeness) {
+    sums.add(part, x, y, z, closeness);
+  });
   const auto totals = sums.totals();
   HeightSums heights{totals[0], {}};
   std::copy_n(totals.begin() + 1, 4, heights.powers.begin());
@@ -329,7 +381,7 @@ class FanExtents {
 
   HWY_INLINE void add(PointVector x, PointVector y, PointVector z, PointVector closeness) {
     const PointLanes d;
-    alignas(64) float across[2][PointsOfBall::k_columns];
+    alignas(64) float across[2][k_columns];
     hn::Store(height_above({fan_.first_axis, 0.0f}, x, y, z), d, across[0]);
     hn::Store(height_above({fan_.second_axis, 0.0f}, x, y, z), d, across[1]);
     for (unsigned in = mask_bits(d, hn::Gt(closeness, hn::Zero(d))); in != 0; in &= in - 1)
@@ -346,7 +398,7 @@ class FanExtents {
   HWY_INLINE void add_point(float first, float second) {
     const PointLanes d;
     const auto u = hn::Set(d, first), v = hn::Set(d, second), half_width = hn::Set(d, fan_.half_width);
-    for (int i = 0; i < k_directions; i += PointsOfBall::k_lanes) {
+    for (int i = 0; i < k_directions; i += k_lanes) {
       const auto x = hn::Load(d, x_ + i), y = hn::Load(d, y_ + i), extent = hn::Load(d, extents_ + i);
       const auto beside = hn::Abs(hn::Sub(hn::Mul(u, y), hn::Mul(v, x)));
       const auto along = hn::Add(hn::Mul(u, x), hn::Mul(v, y));
@@ -361,16 +413,15 @@ class FanExtents {
   alignas(64) float extents_[k_directions] = {};
 };
 
-Extents extents(const TreeView& tree, const Ball& ball, const Layer& layer, const Fan& fan) {
+Extents extents(const BallPoints& points, const Layer& layer, const Fan& fan) {
   FanExtents made(fan);
-  PointsOfBall(tree, ball)
-      .for_each([&](int, PointVector x, PointVector y, PointVector z, PointVector closeness) {
-        made.add(x, y, z, in_layer(layer, x, y, z, closeness));
-      });
+  for_each(points, [&](int, PointVector x, PointVector y, PointVector z, PointVector closeness) {
+    made.add(x, y, z, in_layer(layer, x, y, z, closeness));
+  });
   return made.extents();
 }
 
-constexpr LocalSums k_local_sums{find_nodes, around, of_layer, heights, extents};
+constexpr LocalSums k_local_sums{find_nodes, gather, moments, of_layer, heights, extents};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd

@@ -13,14 +13,20 @@
 
 namespace alidade::simd {
 
-/// The points within reach of a position, that at the reach itself left out. Their offsets p from it are in
-/// units of the reach.
+/// The points within reach of a position, those at the reach itself left out.
 struct Ball {
   glm::dvec3 position;
   double reach;  ///< metres, > 0
   /// Found for a box and a reach that contain this ball (LocalSums::find_nodes); null: the walk begins at the
   /// root. Does not change an answer.
   const std::vector<Frame>* nodes = nullptr;
+};
+
+/// The points of a ball, a column each: offsets p from its position in units of the reach, and 1 - |p|^2.
+/// Followed by zeros up to a whole number of vectors.
+struct BallPoints {
+  std::vector<float> x, y, z, closeness;
+  std::size_t count = 0;
 };
 
 /// Sums over the points of a ball; the weight of a point is (1 - |p|^2)^2.
@@ -70,10 +76,12 @@ struct LocalSums {
   /// Replaces `nodes` by those with leaves within reach of a box, in the order of a walk. They serve all
   /// balls that have their position in the box and at most this reach.
   void (*find_nodes)(const TreeView& tree, const Bounds& box, double reach, std::vector<Frame>& nodes);
-  Moments (*around)(const TreeView& tree, const Ball& ball);
-  Moments (*of_layer)(const TreeView& tree, const Ball& ball, const Layer& layer);
-  HeightSums (*heights)(const TreeView& tree, const Ball& ball, const Level& level);
-  Extents (*extents)(const TreeView& tree, const Ball& ball, const Layer& layer, const Fan& fan);
+  /// Replaces `points`, in the order of a walk.
+  void (*gather)(const TreeView& tree, const Ball& ball, BallPoints& points);
+  Moments (*moments)(const BallPoints& points);
+  Moments (*of_layer)(const BallPoints& points, const Layer& layer);
+  HeightSums (*heights)(const BallPoints& points, const Level& level);
+  Extents (*extents)(const BallPoints& points, const Layer& layer, const Fan& fan);
 };
 
 /// For an available instruction set (not `best`).

@@ -63,6 +63,16 @@ std::array<double, 11> sums_in_double(const PointCloud& cloud, const Ball& ball)
   return sums;
 }
 
+simd::BallPoints points_of(const TreeView& tree, InstructionSet set, const simd::Ball& ball) {
+  simd::BallPoints points;
+  simd::local_sums(set).gather(tree, ball, points);
+  return points;
+}
+
+simd::Moments moments_of(const TreeView& tree, InstructionSet set, const Ball& ball) {
+  return simd::local_sums(set).moments(points_of(tree, set, {ball.position, ball.reach}));
+}
+
 TEST(Moments, are_those_of_the_points_within_reach) {
   for (const PointFamily& family : test::point_families()) {
     Random random(family.name + "_moments");
@@ -70,8 +80,7 @@ TEST(Moments, are_those_of_the_points_within_reach) {
       for (const Ball& ball : positions_in(family.cloud, 20, random)) {
         SCOPED_TRACE(family.name + " " + named.name);
         const auto expected = sums_in_double(family.cloud, ball);
-        const simd::Moments found = simd::local_sums(named.octree.instruction_set())
-                                        .around(named.octree.view(), {ball.position, ball.reach});
+        const simd::Moments found = moments_of(named.octree.view(), named.octree.instruction_set(), ball);
         // Floats resolve positions within a frame to 2^-24 of its width, which may be more in units of the
         // reach.
         const TreeView& tree = named.octree.view();
@@ -91,9 +100,7 @@ TEST(Moments, are_the_same_bits_on_every_instruction_set) {
     const Octree octree = build(family.cloud);
     Random random(family.name + "_bits");
     for (const Ball& ball : positions_in(family.cloud, 100, random)) {
-      const auto with = [&](InstructionSet set) {
-        return simd::local_sums(set).around(octree.view(), {ball.position, ball.reach});
-      };
+      const auto with = [&](InstructionSet set) { return moments_of(octree.view(), set, ball); };
       const simd::Moments scalar = with(InstructionSet::scalar);
       for (const InstructionSet set : available_instruction_sets()) {
         const simd::Moments found = with(set);
@@ -127,8 +134,9 @@ AllSums all_sums(const TreeView& tree, InstructionSet set, const simd::Ball& bal
   const simd::Level level{glm::normalize(glm::vec3(0.2f, -0.1f, 1.0f)), 0.05f};
   const simd::Layer within{level, 0.3f}, beyond{level, 0.3f, simd::Layer::Side::beyond};
   const simd::Fan fan{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), directions(), 0.5f};
-  return {sums.around(tree, ball), sums.of_layer(tree, ball, within), sums.of_layer(tree, ball, beyond),
-          sums.heights(tree, ball, level), sums.extents(tree, ball, within, fan)};
+  const simd::BallPoints points = points_of(tree, set, ball);
+  return {sums.moments(points), sums.of_layer(points, within), sums.of_layer(points, beyond),
+          sums.heights(points, level), sums.extents(points, within, fan)};
 }
 
 TEST(LocalSums, are_the_same_bits_on_every_instruction_set_and_from_nodes_found_for_a_box) {
@@ -191,9 +199,7 @@ TEST(LocalSums, count_every_point_within_reach_in_a_wide_tree) {
       count += distance < 1.0 ? 1.0 : 0.0;
     }
     if (at_reach) continue;
-    EXPECT_EQ(
-        simd::local_sums(octree.instruction_set()).around(octree.view(), {ball.position, ball.reach}).count,
-        count);
+    EXPECT_EQ(moments_of(octree.view(), octree.instruction_set(), ball).count, count);
   }
 }
 
@@ -245,6 +251,63 @@ TEST(LocalPlane, trust_is_known_on_paper) {
     // A cluster must be broad beside the reach of 2, too.
     EXPECT_NEAR(corners(0.2, 0.2 * std::sqrt(ratio), 0.0).trust, std::min(1.0, ratio * 0.01 / 0.02), 1e-3)
         << "breadth of a cluster " << ratio;
+  }
+}
+
+/// Of points around a position that weigh the same.
+simd::Moments even_moments(const std::vector<glm::dvec3>& points) {
+  simd::Moments moments;
+  for (const glm::dvec3& point : points) {
+    const glm::vec3 p(point);
+    moments.weight += 1.0f;
+    moments.count += 1.0f;
+    for (int i = 0; i < 3; ++i) moments.first[i] += p[i];
+    const float products[6] = {p.x * p.x, p.x * p.y, p.x * p.z, p.y * p.y, p.y * p.z, p.z * p.z};
+    for (int i = 0; i < 6; ++i) moments.second[i] += products[i];
+  }
+  return moments;
+}
+
+/// Variance of the points that add up to these moments, along a direction.
+double variance_along(const simd::Moments& moments, const glm::dvec3& d) {
+  const auto& s = moments.second;
+  const double mean =
+      (d.x * moments.first[0] + d.y * moments.first[1] + d.z * moments.first[2]) / moments.weight;
+  const double square = d.x * d.x * s[0] + d.y * d.y * s[3] + d.z * d.z * s[5] +
+                        2.0 * (d.x * d.y * s[1] + d.x * d.z * s[2] + d.y * d.z * s[4]);
+  return square / moments.weight - mean * mean;
+}
+
+TEST(LocalPlane, faces_where_its_points_deviate_least) {
+  Random random("least_variance");
+  const auto direction = [&] {
+    return glm::normalize(glm::dvec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)));
+  };
+  // Sides of the cluster: also flat ones, rows, balls, and those that lie along the axes.
+  const double sides[] = {0.0, 1e-7, 1e-4, 1e-2, 0.3, 0.3, 1.0};
+  for (int i = 0; i < 5000; ++i) {
+    const glm::dvec3 u = i % 3 == 0 ? glm::dvec3(0, 0, 1) : direction();
+    const PlaneAxes axes = axes_across(u);
+    double lengths[3];
+    for (double& length : lengths) length = sides[random.below(std::size(sides))];
+    std::vector<glm::dvec3> points;
+    for (std::size_t n = 4 + random.below(30); n > 0; --n)
+      points.push_back(lengths[0] * random.between(-1, 1) * u +
+                       lengths[1] * random.between(-1, 1) * axes.first +
+                       lengths[2] * random.between(-1, 1) * axes.second);
+    const simd::Moments moments = even_moments(points);
+    const LocalPlane plane = plane_of(moments, 1.0);
+    if (plane.count == 0.0) continue;
+    const double least = variance_along(moments, plane.normal);
+    const double widest = variance_along(moments, {1, 0, 0}) + variance_along(moments, {0, 1, 0}) +
+                          variance_along(moments, {0, 0, 1});
+    ASSERT_NEAR(glm::length(plane.normal), 1.0, 1e-12);
+    ASSERT_NEAR(plane.thickness * plane.thickness, std::max(least, 0.0), 1e-12 * widest) << i;
+    for (int j = 0; j < 20; ++j) {
+      const glm::dvec3 other =
+          glm::normalize(plane.normal + std::pow(10.0, random.between(-7, 1)) * direction());
+      ASSERT_GE(variance_along(moments, other), least - 1e-12 * widest) << i;
+    }
   }
 }
 
