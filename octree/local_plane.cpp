@@ -79,9 +79,9 @@ Eigen eigen_by_rotations(glm::dmat3 a) {
   return {{a[thin][thin], a[middle][middle], a[wide][wide]}, vectors[thin]};
 }
 
-/// Of a covariance: the least root of its characteristic polynomial by Newton's method, which comes from below,
-/// the others by their sum and product, and the vector across two columns. A fifth of the time of rotations,
-/// which take over where the two lesser values are nearly equal.
+/// Of a covariance: the least root of its characteristic polynomial by Newton's method, which comes from
+/// below, the others by their sum and product, and the vector across two columns. A fifth of the time of
+/// rotations, which take over where the two lesser values are nearly equal.
 Eigen eigen(const glm::dmat3& a) {
   constexpr int k_most_steps = 12;
   // Of the trace, after which another step shows in no bit; of the greatest value.

@@ -160,6 +160,8 @@ struct TreeExtent {
   double size = 0.0;                ///< sum of the sides of the bounds
 };
 
+class LeafFitter;
+
 /// The flat arrays of an octree, as traversals read them. A *storage index* is a point's number in the order
 /// of the leaves; its id, the row in the cloud, is point_id(view, storage index).
 struct TreeView {
@@ -201,6 +203,7 @@ struct TreeView {
   /// Null unless with_discs() made them.
   const std::uint32_t* stored_surfaces = nullptr;
   const std::uint8_t* stored_edges = nullptr;
+  const LeafFitter* fitter = nullptr;  ///< fills in surfaces and edges leaf by leaf; null: they are there
 
   /// Length of `positions`.
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "octree/point_surface.h"
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -10,10 +13,13 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/huge_memory.h"
 #include "base/parallel.h"
+#include "octree/leaf_fitter.h"
 #include "octree/local_plane.h"
 #include "octree/packed_surface.h"
 #include "octree/simd/moments.h"
@@ -315,18 +321,18 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
   return {};
 }
 
-struct Surfaces {
-  HugeArray<std::uint32_t> points;
-  HugeArray<std::uint8_t> edges;
+/// Of the points of a leaf, packed.
+struct LeafSurfaces {
+  std::uint32_t surfaces[k_max_leaf_size];
+  std::uint8_t edges[k_max_leaf_size];
 };
 
 /// Fits the surfaces of points that come leaf by leaf.
 class SurfaceFitter {
  public:
-  SurfaceFitter(const Octree& octree, Surfaces& surfaces, double unit)
-      : tree_(octree.view()), around_(octree), surfaces_(surfaces), unit_(unit) {}
+  SurfaceFitter(const Octree& octree, double unit) : tree_(octree.view()), around_(octree), unit_(unit) {}
 
-  void operator()(const Leaf& leaf) {
+  const LeafSurfaces& operator()(const Leaf& leaf) {
     Bounds box;
     for (std::uint32_t i = 0; i < leaf.count; ++i)
       box.grow(to_world(tree_.lattice, position_of(tree_, leaf, i)));
@@ -338,10 +344,10 @@ class SurfaceFitter {
         fit(to_world(tree_.lattice, position), spacing_at(tree_, leaf.first + i));
       known_ = true;
       last_ = position;
-      const std::uint64_t id = point_id(tree_, leaf.first + i);
-      surfaces_.points[id] = packed_;
-      surfaces_.edges[id] = edge_;
+      fitted_.surfaces[i] = packed_;
+      fitted_.edges[i] = edge_;
     }
+    return fitted_;
   }
 
  private:
@@ -356,12 +362,91 @@ class SurfaceFitter {
 
   const TreeView& tree_;
   Neighbourhood around_;
-  Surfaces& surfaces_;
   const double unit_;  ///< automatic_radius()
   bool known_ = false;
   LatticePosition last_{};
   std::uint32_t packed_ = 0;
   std::uint8_t edge_ = 0;
+  LeafSurfaces fitted_;
+};
+
+/// Surfaces and edges in one order of the points.
+struct SurfaceArrays {
+  HugeArray<std::uint32_t> surfaces;
+  HugeArray<std::uint8_t> edges;
+
+  SurfaceArrays(std::size_t size, const ScratchFolder& scratch)
+      : surfaces(size, scratch), edges(size, scratch) {}
+};
+
+/// In the order of the storage indices, with zeros behind.
+SurfaceArrays stored_arrays(const Octree& octree) {
+  const std::size_t count = octree.size();
+  SurfaceArrays stored(count + k_coordinate_padding, octree.scratch());
+  std::fill_n(stored.surfaces.data() + count, k_coordinate_padding, 0u);
+  std::fill_n(stored.edges.data() + count, k_coordinate_padding, std::uint8_t{0});
+  return stored;
+}
+
+class OnDemandFitter : public LeafFitter {
+ public:
+  /// Requires spacings.
+  explicit OnDemandFitter(const Octree& octree) : OnDemandFitter(octree, stored_arrays(octree)) {}
+
+  /// The tree with the arrays that are filled in.
+  TreeView view() const {
+    TreeView tree = octree_.view();
+    tree.surface_unit = unit_;
+    tree.surfaces = by_id_.surfaces.data();
+    tree.sheet_edges = by_id_.edges.data();
+    tree.stored_surfaces = stored_.surfaces.data();
+    tree.stored_edges = stored_.edges.data();
+    tree.fitter = this;
+    return tree;
+  }
+
+ private:
+  OnDemandFitter(const Octree& octree, SurfaceArrays stored)
+      : LeafFitter(octree.view(), stored.edges.data()),
+        octree_(octree),
+        unit_(automatic_radius(octree)),
+        by_id_(octree.size(), octree.scratch()),
+        stored_(std::move(stored)),
+        fitters_([this] { return SurfaceFitter(octree_, unit_); }) {
+    constexpr std::uint32_t k_grain = 1 << 16;
+    in_blocks(octree.size(), k_grain, [&](std::size_t first, std::size_t end) {
+      std::fill(stored_.edges.data() + first, stored_.edges.data() + end, k_untouched);
+    });
+  }
+
+  void fit(const Leaf& leaf) const override {
+    const std::atomic_ref state(stored_.edges[leaf.first]);
+    std::uint8_t expected = k_untouched;
+    if (!state.compare_exchange_strong(expected, k_begun, std::memory_order_acquire)) {
+      while (state.load(std::memory_order_acquire) == k_begun) std::this_thread::yield();
+      // Fits that fail, for want of memory, are begun again.
+      if (state.load(std::memory_order_acquire) == k_untouched) fit(leaf);
+      return;
+    }
+    try {
+      const LeafSurfaces& fitted = fitters_.local()(leaf);
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const std::uint64_t id = point_id(octree_.view(), leaf.first + i);
+        by_id_.surfaces[id] = stored_.surfaces[leaf.first + i] = fitted.surfaces[i];
+        by_id_.edges[id] = fitted.edges[i];
+        if (i > 0) stored_.edges[leaf.first + i] = fitted.edges[i];
+      }
+      state.store(fitted.edges[0], std::memory_order_release);
+    } catch (...) {
+      state.store(k_untouched, std::memory_order_release);
+      throw;
+    }
+  }
+
+  const Octree octree_;  ///< without surfaces
+  const double unit_;
+  mutable SurfaceArrays by_id_, stored_;
+  mutable tbb::enumerable_thread_specific<SurfaceFitter> fitters_;
 };
 
 }  // namespace
@@ -375,16 +460,35 @@ SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal) {
 }
 
 Octree with_surfaces(const Octree& octree, const Progress& progress) {
-  if (octree.size() == 0 || octree.view().surfaces) return octree;
-  const auto made = std::make_shared<Surfaces>();
+  if (octree.size() == 0) return octree;
   TreeView tree = octree.view();
-  made->points = HugeArray<std::uint32_t>(tree.point_count, octree.scratch());
-  made->edges = HugeArray<std::uint8_t>(tree.point_count, octree.scratch());
+  if (tree.surfaces) {
+    if (tree.fitter == nullptr) return octree;
+    touch_all(tree);
+    tree.fitter = nullptr;
+    return octree.with_view(tree, nullptr);
+  }
+  const auto made = std::make_shared<SurfaceArrays>(tree.point_count, octree.scratch());
   tree.surface_unit = automatic_radius(octree);
-  for_each_leaf_in_parallel(tree, progress, [&] { return SurfaceFitter(octree, *made, tree.surface_unit); });
-  tree.surfaces = made->points.data();
+  for_each_leaf_in_parallel(tree, progress, [&] {
+    return [&, fitter = SurfaceFitter(octree, tree.surface_unit)](const Leaf& leaf) mutable {
+      const LeafSurfaces& fitted = fitter(leaf);
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const std::uint64_t id = point_id(tree, leaf.first + i);
+        made->surfaces[id] = fitted.surfaces[i];
+        made->edges[id] = fitted.edges[i];
+      }
+    };
+  });
+  tree.surfaces = made->surfaces.data();
   tree.sheet_edges = made->edges.data();
   return octree.with_view(tree, made);
+}
+
+Octree with_surfaces_on_demand(const Octree& octree) {
+  if (octree.size() == 0 || octree.view().surfaces) return with_discs(octree);
+  const auto fitter = std::make_shared<OnDemandFitter>(octree);
+  return octree.with_view(fitter->view(), fitter);
 }
 
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
@@ -393,23 +497,14 @@ PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
 
 Octree with_discs(const Octree& octree) {
   if (octree.size() == 0 || octree.view().stored_surfaces) return octree;
-  struct Stored {
-    HugeArray<std::uint32_t> surfaces;
-    HugeArray<std::uint8_t> edges;
-  };
-  const auto made = std::make_shared<Stored>();
+  const auto made = std::make_shared<SurfaceArrays>(stored_arrays(octree));
   TreeView tree = octree.view();
-  const std::size_t padded = std::size_t{tree.point_count} + k_coordinate_padding;
-  made->surfaces = HugeArray<std::uint32_t>(padded, octree.scratch());
-  made->edges = HugeArray<std::uint8_t>(padded, octree.scratch());
   constexpr std::uint32_t k_grain = 1 << 16;
   in_parallel(tree.point_count, k_grain, [&](std::uint32_t index) {
     const std::uint64_t id = point_id(tree, index);
-    made->surfaces.data()[index] = tree.surfaces[id];
-    made->edges.data()[index] = tree.sheet_edges[id];
+    made->surfaces[index] = tree.surfaces[id];
+    made->edges[index] = tree.sheet_edges[id];
   });
-  std::fill_n(made->surfaces.data() + tree.point_count, k_coordinate_padding, 0u);
-  std::fill_n(made->edges.data() + tree.point_count, k_coordinate_padding, std::uint8_t{0});
   tree.stored_surfaces = made->surfaces.data();
   tree.stored_edges = made->edges.data();
   return octree.with_view(tree, made);

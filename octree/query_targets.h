@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "octree/candidate.h"
+#include "octree/leaf_fitter.h"
 #include "octree/octree.h"
 #include "octree/path_index.h"
 #include "octree/query.h"
@@ -276,6 +277,7 @@ template <class Target, class Query, class Use>
 auto with_tree_target(const TreeView& view, const Target& target, const Query& query, std::size_t query_index,
                       const Use& use, std::size_t k = k_all) {
   if constexpr (std::is_same_v<Target, Ray>) {
+    if (query.measure == Measure::crossing) touch_all(view);
     if (query.spacing_factor > 0.0)
       return use(OctreeByIndex(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
   }

@@ -76,7 +76,7 @@ struct DiscCloud::SheetSums {
 };
 
 DiscCloud::DiscCloud(const LoadedCloud& cloud, bool blends)
-    : octree_(with_discs(cloud.octree)),
+    : octree_(with_surfaces_on_demand(cloud.octree)),
       query_{.radius = cloud.radius,
              .measure = Measure::crossing,
              .spacing_factor = cloud.spacing_factor,

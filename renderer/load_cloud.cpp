@@ -105,7 +105,7 @@ void choose_disc_radius(const CloudSettings& settings, LoadedCloud& cloud, const
   cloud.lone_radius = automatic_radius(cloud.octree);
   cloud.radius = adapted.max.value_or(k_widest_over_automatic * cloud.lone_radius);
   check_positive(cloud.radius, "largest radius of points");
-  cloud.octree = with_surfaces(with_spacings(cloud.octree, k_surface_neighbours, progress), progress);
+  cloud.octree = with_surfaces_on_demand(with_spacings(cloud.octree, k_surface_neighbours, progress));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ inline double golden_turns(int i) {
 }
 
 /// To be raised with each change of the answers of sight lines; checkpoints of other versions are rejected.
-constexpr int k_answers_version = 9;
+constexpr int k_answers_version = 10;
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So surfaces keep their thickness, and lines that

@@ -130,8 +130,7 @@ renderer::LoadedCloud load_scene_cloud(const RenderPlan& plan, Listener& listene
     if (!measuring) {
       if (loading) loading->finish();
       loading.reset();
-      const bool fits = settings.shape != renderer::PointShape::sphere;
-      measuring = listener.begin(fits ? "measuring surfaces" : "measuring spacings", "points");
+      measuring = listener.begin("measuring spacings", "points");
     }
     return measuring->callback()(done, total);
   };

@@ -8,6 +8,7 @@
 #include <hwy/foreach_target.h>
 
 #include "octree/answer_target.h"
+#include "octree/leaf_fitter.h"
 #include "octree/simd/box_walk-inl.h"
 #include "octree/simd/choose_table.h"
 #include "octree/simd/local_point-inl.h"
@@ -81,6 +82,7 @@ class EnclosingSpheres {
                   << first;
     }
     if (possible == 0) return;
+    touch(tree_, leaf);
     StoredPoint stored[k_max_leaf_size + k_unpack_room];
     const std::size_t count = unpack(tree_, leaf, possible, stored);
     for (std::size_t i = 0; i < count; ++i) {
@@ -132,6 +134,7 @@ void find_enclosing(const Octree& octree, const glm::dvec3& position, const RayQ
       query.spacing_factor < k_longest) {
     find_enclosing_with(octree.instruction_set())(tree, position, query, spheres);
   } else {
+    touch_all(tree);
     for_each_leaf(tree, [&](const Leaf& leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const PointSphere sphere{to_world(tree.lattice, position_of(tree, leaf, i)),

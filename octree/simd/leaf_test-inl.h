@@ -11,6 +11,7 @@
 
 #include <optional>
 
+#include "octree/leaf_fitter.h"
 #include "octree/simd/disc_test-inl.h"
 #include "octree/simd/lanes-inl.h"
 #include "octree/simd/ray_state.h"
@@ -112,9 +113,10 @@ class LeafTest {
     return in_double(ray, ray.state.best_position, ray.state.best_index);
   }
 
-  /// Whether the query rejects a point whatever its id is.
-  bool rejects(const ActiveRay& ray, const LatticePosition& position, std::uint32_t index) const {
-    return !in_double(ray, position, index, Filters::of_position);
+  /// Whether the query rejects the first position of a leaf, whatever ids the points there have.
+  bool rejects_first(const ActiveRay& ray, const Leaf& leaf) const {
+    if constexpr (measure == Measure::crossing) touch(setup_.tree, leaf);
+    return !in_double(ray, position_of(setup_.tree, leaf, 0), leaf.first, Filters::of_position);
   }
 
   /// Makes a point of a leaf the best: its measure lies in [low, high], local t.
@@ -210,7 +212,10 @@ class LeafTest {
     auto first_high = none;
     std::uint32_t crossed = 0;
     std::optional<LeftSheet> left;
-    if constexpr (measure == Measure::crossing) left.emplace(ray, setup_.query, start, frame.error);
+    if constexpr (measure == Measure::crossing) {
+      touch(setup_.tree, leaf);
+      left.emplace(ray, setup_.query, start, frame.error);
+    }
     for (int i = 0; i < vectors; ++i) {
       if constexpr (measure == Measure::crossing) {
         if ((possible >> (i * lanes) & ((1ull << lanes) - 1u)) == 0) {

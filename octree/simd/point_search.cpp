@@ -147,8 +147,8 @@ class NearestGroup {
     return true;
   }
 
-  /// The distance from one of the targets to the n-th nearest point elsewhere, within `error` of it; n = k - 1.
-  /// Empty where other points may be at its own position, or not among those that were collected.
+  /// The distance from one of the targets to the n-th nearest point elsewhere, within `error` of it;
+  /// n = k - 1. Empty where other points may be at its own position, or too few were collected.
   struct Spacing {
     double distance, error;
   };

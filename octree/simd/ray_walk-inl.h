@@ -45,7 +45,7 @@ struct Traversed {
     const Node* holder = &node;
     while (is_inner(holder->kind[0])) holder = setup.tree.nodes + holder->first_child;
     const Leaf leaf{holder->first_point, holder->kind[0], corner};
-    return leaf_test.rejects(ray, position_of(setup.tree, leaf, 0), leaf.first);
+    return leaf_test.rejects_first(ray, leaf);
   }
 };
 

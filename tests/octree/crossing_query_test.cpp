@@ -361,8 +361,87 @@ TEST_P(CrossingVsBruteForce, spheres_that_hold_a_position_are_all_that_do) {
   EXPECT_GT(held, 1000u);
 }
 
+/// Whether two octrees have the same surfaces and edges.
+bool same_surfaces(const TreeView& a, const TreeView& b) {
+  const std::size_t count = a.point_count;
+  return a.surface_unit == b.surface_unit && std::equal(a.surfaces, a.surfaces + count, b.surfaces) &&
+         std::equal(a.sheet_edges, a.sheet_edges + count, b.sheet_edges) &&
+         std::equal(a.stored_surfaces, a.stored_surfaces + count, b.stored_surfaces) &&
+         std::equal(a.stored_edges, a.stored_edges + count, b.stored_edges);
+}
+
+TEST_P(CrossingVsBruteForce, surfaces_that_are_fitted_on_demand_are_the_same) {
+  for (const PointFamily& family : point_families()) {
+    // One organisation of each, since fits take most of the time.
+    Random random(family.name + "_on_demand");
+    const std::vector<test::NamedOctree> octrees = test::octrees_of(family.cloud, GetParam());
+    const test::NamedOctree& named = octrees[random.below(octrees.size())];
+    SCOPED_TRACE(family.name + " " + named.name);
+    const Octree spaced = with_spacings(named.octree, k_neighbours);
+    const Octree all = with_discs(with_surfaces(spaced));
+    if (all.size() == 0) continue;
+    Octree octree = with_surfaces_on_demand(spaced);
+    int number = 0;
+    for (const RayCase& c : ray_cases(family.cloud, 12, random)) {
+      // Whatever touches the leaves first; without an octree of its own, the first query would touch all.
+      if (number++ % 3 == 0) octree = with_surfaces_on_demand(spaced);
+      RayQuery query = crossing_query(c.query, random);
+      if (random.below(3) == 0)
+        query.position_filter = [&](const Candidate& point) { return point.position.x > c.ray.origin.x; };
+      const std::optional<Hit> expected = closest(all, c.ray, query);
+      std::vector<std::optional<Hit>> hits(40);
+      switch (random.below(4)) {
+        case 0:
+          closest(octree, std::vector<Ray>(hits.size(), c.ray), query, hits);
+          ASSERT_TRUE(same_hits(hits.back(), expected));
+          break;
+        case 1:
+          ASSERT_EQ(occluded(octree, c.ray, query), expected.has_value());
+          break;
+        case 2:
+          ASSERT_EQ(find(octree, c.ray, query), find(all, c.ray, query));
+          break;
+        default:
+          break;
+      }
+      ASSERT_TRUE(same_hits(closest(octree, c.ray, query), expected));
+      if (expected) {
+        EXPECT_EQ(octree.view().surfaces[expected->point_id], all.view().surfaces[expected->point_id]);
+        EXPECT_EQ(octree.view().sheet_edges[expected->point_id], all.view().sheet_edges[expected->point_id]);
+      }
+      std::vector<PointSphere> held;
+      find_enclosing(octree, c.ray.origin, query, held);
+      for (const PointSphere& sphere : held)
+        ASSERT_EQ(octree.view().stored_surfaces[sphere.index], all.view().stored_surfaces[sphere.index]);
+    }
+    const Octree completed = with_surfaces(octree);
+    EXPECT_EQ(completed.view().fitter, nullptr);
+    EXPECT_TRUE(same_surfaces(completed.view(), all.view()));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(, CrossingVsBruteForce, ::testing::ValuesIn(available_instruction_sets()),
                          [](const auto& set) { return std::string(name(set.param)); });
+
+TEST(Crossing, batches_whose_threads_touch_the_same_leaves_are_the_same) {
+  const PointFamily family = test::point_families()[1];
+  const Octree spaced = with_spacings(build(family.cloud), k_neighbours);
+  const Octree all = with_discs(with_surfaces(spaced));
+  Random random("threads_on_demand");
+  std::vector<Ray> rays;
+  for (int i = 0; i < 4000; ++i)
+    rays.push_back(
+        make_ray(family.cloud.world(random.below(family.cloud.size())) + random.in_cube(), random.in_cube()));
+  const RayQuery query{.radius = 1e9, .measure = Measure::crossing, .spacing_factor = 0.92};
+  std::vector<std::optional<Hit>> expected(rays.size()), hits(rays.size());
+  closest(all, rays, query, expected);
+  EXPECT_GT(std::ranges::count_if(expected, [](const auto& hit) { return hit.has_value(); }), 400);
+  for (int round = 0; round < 20; ++round) {
+    const Octree octree = with_surfaces_on_demand(spaced);
+    closest(octree, rays, query, hits);
+    ASSERT_EQ(hits, expected) << round;
+  }
+}
 
 TEST(Crossing, of_a_plane_is_known_on_paper) {
   std::vector<glm::dvec3> points;

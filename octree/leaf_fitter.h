@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "octree/octree.h"
+#include "octree/tree_walk.h"
+
+namespace alidade {
+
+/// Fits the surfaces of leaves when they are first needed (with_surfaces_on_demand() in
+/// octree/point_surface.h). Safe to use from many threads: whatever touches a leaf first, its surfaces are
+/// the same.
+class LeafFitter {
+ public:
+  /// TreeView::stored_edges of the first point of a leaf that was not touched, and of one that is being
+  /// fitted. No edge has these values.
+  static constexpr std::uint8_t k_untouched = 1, k_begun = 2;
+
+  virtual ~LeafFitter() = default;
+
+  /// To be called before surfaces and edges of the leaf's points are read. Cost: some ten microseconds the
+  /// first time.
+  void touch(const Leaf& leaf) const {
+    const std::uint8_t state = std::atomic_ref(stored_edges_[leaf.first]).load(std::memory_order_acquire);
+    if (state == k_untouched || state == k_begun) fit(leaf);
+  }
+  /// All leaves, in parallel.
+  void touch_all() const {
+    if (all_touched_.load(std::memory_order_acquire)) return;
+    for_each_leaf_in_parallel(tree_, {}, [this] { return [this](const Leaf& leaf) { touch(leaf); }; });
+    all_touched_.store(true, std::memory_order_release);
+  }
+
+ protected:
+  LeafFitter(const TreeView& tree, std::uint8_t* stored_edges) : tree_(tree), stored_edges_(stored_edges) {}
+
+ private:
+  virtual void fit(const Leaf& leaf) const = 0;
+
+  const TreeView tree_;
+  std::uint8_t* const stored_edges_;
+  mutable std::atomic<bool> all_touched_ = false;
+};
+
+/// Before surfaces of a leaf's points are read.
+inline void touch(const TreeView& tree, const Leaf& leaf) {
+  if (tree.fitter != nullptr) tree.fitter->touch(leaf);
+}
+inline void touch_all(const TreeView& tree) {
+  if (tree.fitter != nullptr) tree.fitter->touch_all();
+}
+
+}  // namespace alidade
