@@ -53,8 +53,8 @@ Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 /// This octree, ready for queries of Measure::crossing: they fit the surfaces of the leaves whose points they
 /// examine, each leaf once. The answers are those of with_discs(with_surfaces()). surface_of() and edge_of()
 /// of a point require that a query has answered with it or that with_surfaces() has made the octree complete.
-/// An octree that has surfaces keeps them. Requires spacings. Cost: that of with_surfaces() per point of these
-/// leaves, within the queries; 10 B per point.
+/// An octree that has surfaces keeps them. Requires spacings. Cost: that of with_surfaces() per point of
+/// these leaves, within the queries; 10 B per point.
 Octree with_surfaces_on_demand(const Octree& octree);
 
 /// The surface of a point: normals are good to 0.14 degrees, heights to 19 %, thicknesses are rounded up by

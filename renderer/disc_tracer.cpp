@@ -153,8 +153,18 @@ void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> 
                         std::span<std::optional<DiscHit>> hits) const {
   std::vector<std::optional<Hit>> first(rays.size());
   alidade::closest(octree_, rays, query_of(origins), first);
+  // What is stored by point id is far apart.
+  constexpr std::size_t k_ahead = 16;
+  const auto fetch = [&](std::size_t i) {
+    if (i >= rays.size() || !first[i]) return;
+    __builtin_prefetch(octree_.view().surfaces + first[i]->point_id);
+    if (!colors_.deep().empty()) __builtin_prefetch(colors_.deep().data() + first[i]->point_id);
+    if (!colors_.shallow().empty()) __builtin_prefetch(colors_.shallow().data() + first[i]->point_id);
+  };
+  for (std::size_t i = 0; i < k_ahead; ++i) fetch(i);
   std::vector<PointSphere> around;
   for (std::size_t i = 0; i < rays.size(); ++i) {
+    fetch(i + k_ahead);
     hits[i].reset();
     if (first[i]) hits[i] = disc_hit(rays[i], *first[i], blends_ && origins[i].reach == 0.0f, around);
   }
