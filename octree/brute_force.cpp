@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "octree/candidate.h"
 #include "octree/check_query.h"
+#include "octree/leaf_fitter.h"
 #include "octree/spacing.h"
 
 namespace alidade::brute_force {
@@ -45,6 +46,7 @@ void check_all(const PointCloud& cloud, const Target& target, const Query& query
         !(properties.surfaces && properties.surfaces->surfaces &&
           properties.surfaces->point_count == cloud.size()))
       throw Error({.problem = "measure crossing requires the surfaces of the points"});
+    if (query.measure == Measure::crossing && properties.surfaces) touch_all(*properties.surfaces);
     if (query.spacing_factor > 0.0 && properties.spacings.size() != cloud.size()) {
       throw Error({.problem = "spacing_factor requires the spacings of the points",
                    .expected = std::to_string(cloud.size()),

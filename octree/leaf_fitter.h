@@ -20,16 +20,17 @@ class LeafFitter {
 
   virtual ~LeafFitter() = default;
 
-  /// To be called before surfaces and edges of the leaf's points are read. Cost: some ten microseconds the
-  /// first time.
+  /// To be called before surfaces and edges of the leaf's points are read. Cost: a microsecond per point the
+  /// first time, far more of a leaf with a stray point, whose neighbours are far away; other threads that touch
+  /// the leaf meanwhile wait.
   void touch(const Leaf& leaf) const {
     const std::uint8_t state = std::atomic_ref(stored_edges_[leaf.first]).load(std::memory_order_acquire);
     if (state == k_untouched || state == k_begun) fit(leaf);
   }
-  /// All leaves, in parallel.
-  void touch_all() const {
+  /// All leaves, in parallel. `progress` is in points.
+  void touch_all(const Progress& progress = {}) const {
     if (all_touched_.load(std::memory_order_acquire)) return;
-    for_each_leaf_in_parallel(tree_, {}, [this] { return [this](const Leaf& leaf) { touch(leaf); }; });
+    for_each_leaf_in_parallel(tree_, progress, [this] { return [this](const Leaf& leaf) { touch(leaf); }; });
     all_touched_.store(true, std::memory_order_release);
   }
 
@@ -48,8 +49,8 @@ class LeafFitter {
 inline void touch(const TreeView& tree, const Leaf& leaf) {
   if (tree.fitter != nullptr) tree.fitter->touch(leaf);
 }
-inline void touch_all(const TreeView& tree) {
-  if (tree.fitter != nullptr) tree.fitter->touch_all();
+inline void touch_all(const TreeView& tree, const Progress& progress = {}) {
+  if (tree.fitter != nullptr) tree.fitter->touch_all(progress);
 }
 
 }  // namespace alidade

@@ -79,12 +79,12 @@ Eigen eigen_by_rotations(glm::dmat3 a) {
   return {{a[thin][thin], a[middle][middle], a[wide][wide]}, vectors[thin]};
 }
 
-/// Of a covariance: the least root of its characteristic polynomial by Newton's method, which comes from
-/// below, the others by their sum and product, and the vector across two columns. A fifth of the time of
-/// rotations, which take over where the two lesser values are nearly equal.
+/// Of a covariance: the least root of its characteristic polynomial by Newton's method from 0, the others by
+/// their sum and product, and the vector across two columns. A fifth of the time of rotations, which take over
+/// where the two lesser values are nearly equal.
 Eigen eigen(const glm::dmat3& a) {
   constexpr int k_most_steps = 12;
-  // Of the trace, after which another step shows in no bit; of the greatest value.
+  // Of the trace, after which another step would be 1e-13 of it or less; of the greatest value.
   constexpr double k_end = 1e-9, k_least_gap = 1e-4;
   const double xy = a[0][0] * a[1][1] - a[0][1] * a[0][1], xz = a[0][0] * a[2][2] - a[0][2] * a[0][2],
                yz = a[1][1] * a[2][2] - a[1][2] * a[1][2];
@@ -102,7 +102,9 @@ Eigen eigen(const glm::dmat3& a) {
   const double sum = trace - least, product = minors - least * sum;
   const double greatest = 0.5 * sum + std::sqrt(std::max(0.25 * sum * sum - product, 0.0));
   const double middle = product / greatest;
-  if (!has_ended || !(middle - least > k_least_gap * greatest)) return eigen_by_rotations(a);
+  // Of a row of points the steps may lead to the greatest root.
+  if (!has_ended || !(middle <= greatest && middle - least > k_least_gap * greatest))
+    return eigen_by_rotations(a);
   const glm::dvec3 first = a[0] - glm::dvec3(least, 0.0, 0.0), second = a[1] - glm::dvec3(0.0, least, 0.0),
                    third = a[2] - glm::dvec3(0.0, 0.0, least);
   Eigen found{{least, middle, greatest}, glm::cross(first, second)};

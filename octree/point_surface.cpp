@@ -253,6 +253,7 @@ class Neighbourhood {
   /// Valid until the next call.
   PointsNear points(const glm::dvec3& position, double reach) {
     if (reach != gathered_reach_ || position != gathered_at_) {
+      gathered_reach_ = 0.0;  // if it fails
       // Nodes of a much longer reach would take longer than the walk.
       constexpr double k_longest = 4.0;
       const bool found = box_.contains(position) && reach <= reach_ && reach_ <= k_longest * reach;
@@ -268,10 +269,11 @@ class Neighbourhood {
   void find(const glm::dvec3& position, double reach) {
     // For the spacings of the next points, and for those of them that are near.
     constexpr double k_slack = 1.25, k_side = 2.0;
-    reach_ = k_slack * reach;
+    reach_ = 0.0;  // if it fails
     box_.min = glm::max(next_.min, position - k_side * reach);
     box_.max = glm::min(next_.max, position + k_side * reach);
-    sums_.find_nodes(tree_, box_, reach_, nodes_);
+    sums_.find_nodes(tree_, box_, k_slack * reach, nodes_);
+    reach_ = k_slack * reach;
   }
 
   const TreeView& tree_;
@@ -340,8 +342,10 @@ class SurfaceFitter {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const LatticePosition position = position_of(tree_, leaf, i);
       // Points of one position have one surface, and mostly come one after another.
-      if (!known_ || position != last_)
+      if (!known_ || position != last_) {
+        known_ = false;  // if the fit fails
         fit(to_world(tree_.lattice, position), spacing_at(tree_, leaf.first + i));
+      }
       known_ = true;
       last_ = position;
       fitted_.surfaces[i] = packed_;
@@ -464,7 +468,7 @@ Octree with_surfaces(const Octree& octree, const Progress& progress) {
   TreeView tree = octree.view();
   if (tree.surfaces) {
     if (tree.fitter == nullptr) return octree;
-    touch_all(tree);
+    touch_all(tree, progress);
     tree.fitter = nullptr;
     return octree.with_view(tree, nullptr);
   }

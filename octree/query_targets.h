@@ -42,6 +42,7 @@ class OctreeAsTree {
   template <class Visit>
   void for_each_point(const Node& node, const Visit& visit) const {
     if (node.inner) return;
+    if constexpr (naming == PointNaming::index) touch(view_, node.leaf);
     for (std::uint32_t i = 0; i < node.leaf.count; ++i) {
       const std::uint32_t index = node.leaf.first + i;
       if (!visit(naming == PointNaming::index ? index : point_id(view_, index),
@@ -277,7 +278,6 @@ template <class Target, class Query, class Use>
 auto with_tree_target(const TreeView& view, const Target& target, const Query& query, std::size_t query_index,
                       const Use& use, std::size_t k = k_all) {
   if constexpr (std::is_same_v<Target, Ray>) {
-    if (query.measure == Measure::crossing) touch_all(view);
     if (query.spacing_factor > 0.0)
       return use(OctreeByIndex(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
   }

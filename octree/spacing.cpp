@@ -63,7 +63,10 @@ class Neighbours {
     for (std::size_t i = 0; i < positions.size(); ++i)
       if (bits[i] == simd::k_unknown_spacing) left_.push_back(positions[i]);
     distances_.clear();
+    const double reach = reach_;
     spacings(left_, distances_);
+    // A few positions that are left are mostly outliers.
+    if (2 * left_.size() < positions.size()) reach_ = reach;
     for (std::size_t i = 0, next = 0; i < positions.size(); ++i)
       if (bits[i] == simd::k_unknown_spacing) bits[i] = spacing_bits(distances_[next++]);
   }

@@ -81,8 +81,8 @@ Parameters
 organisation : {'adaptive', 'layered'}
     layered: coarse levels are thinned clouds (max_level of queries).
 surfaces : bool
-    Also fit the surface of every point, which render(), visible() and viewshed() otherwise do
-    again for each call: 1 to 3 s per million points and core, 7 bytes per point.
+    Also fit the surface of every point, which visible() and viewshed() otherwise do again for each
+    call, and render() where rays look: some 1 s per million points and core, 7 bytes per point.
 
 Returns
 -------

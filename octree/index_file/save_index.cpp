@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "octree/index_file/index_metadata.h"
 #include "octree/index_file/index_sections.h"
+#include "octree/leaf_fitter.h"
 
 namespace alidade {
 namespace {
@@ -176,6 +177,7 @@ void write_tree(IndexWriter& writer, const TreeView& tree) {
                  std::span(tree.slot_spacings, std::size_t{k_node_width} * tree.node_count));
   }
   if (tree.surfaces) {
+    touch_all(tree);
     writer.write(IndexSection::surfaces, std::span(tree.surfaces, points));
     writer.write(IndexSection::sheet_edges, std::span(tree.sheet_edges, points));
   }

@@ -76,13 +76,14 @@ class DiscTest {
                 : 0.0f),
         lone_radius_(float_above(std::min(setup.query.discs.lone_radius, setup.query.radius))) {}
 
-  /// along: the ray's direction. Points from this storage index on.
-  HWY_INLINE Crossings operator()(std::uint32_t index, const NearRay& points, const float* along,
-                                  const LeftSheet& left) const {
+  /// along: the ray's direction. Points from this storage index on; lanes from `count` on are not used.
+  HWY_INLINE Crossings operator()(std::uint32_t index, std::size_t count, const NearRay& points,
+                                  const float* along, const LeftSheet& left) const {
     const PointLanes d;
     using V = hn::Vec<PointLanes>;
     const hn::RebindToUnsigned<PointLanes> bits;
-    const auto packed = hn::LoadU(bits, surfaces_ + index);
+    const OwnLanes<std::uint32_t> own_surfaces(surfaces_ + index, count);
+    const auto packed = hn::LoadU(bits, own_surfaces.values);
     const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), half = hn::Set(d, 0.5f);
     const auto side = [&](auto shifted) {
       const auto steps = hn::And(shifted, hn::Set(bits, packed_surface::k_side_mask));
@@ -113,7 +114,9 @@ class DiscTest {
     const V inner_chord = hn::Sqrt(hn::Max(hn::Sub(points.inner_sq, points.distance_sq), zero));
     const V beside =
         hn::MulAdd(hn::Set(d, 2.0f), points.error, hn::Add(hn::Abs(hn::Sub(t, points.t)), error));
-    const auto edges = hn::PromoteTo(bits, hn::LoadU(hn::Rebind<std::uint8_t, PointLanes>(), edges_ + index));
+    const OwnLanes<std::uint8_t> own_edges(edges_ + index, count);
+    const auto edges =
+        hn::PromoteTo(bits, hn::LoadU(hn::Rebind<std::uint8_t, PointLanes>(), own_edges.values));
     const auto is_amid = hn::RebindMask(d, hn::Eq(edges, hn::Zero(bits)));
     const auto may_be_sure = hn::Le(points.distance_sq, points.inner_sq);
     auto is_sure = hn::And(hn::And(may_be_sure, is_amid), hn::AndNot(grazes, hn::Le(beside, inner_chord)));
@@ -139,6 +142,21 @@ class DiscTest {
   }
 
  private:
+  /// A vector of values that are stored one after another, of which the first `count` are used. Other threads
+  /// may be fitting the points behind them (LeafFitter), which sanitizers report.
+  template <class T>
+  struct OwnLanes {
+#if defined(__SANITIZE_THREAD__)
+    OwnLanes(const T* stored, std::size_t count) {
+      std::copy_n(stored, std::min<std::size_t>(count, 16), values);
+    }
+    T values[16] = {};
+#else
+    HWY_INLINE OwnLanes(const T* stored, std::size_t) : values(stored) {}
+    const T* values;
+#endif
+  };
+
   /// Of the sheets of points: normals m, their length, and the points' heights.
   struct Planes {
     using V = hn::Vec<PointLanes>;

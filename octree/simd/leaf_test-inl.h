@@ -230,7 +230,7 @@ class LeafTest {
       lows[i] = entry_low;
       highs[i] = hn::Add(ts[i], error);
       if constexpr (measure == Measure::crossing) {
-        const Crossings crossings = disc_test_(leaf.first + i * lanes,
+        const Crossings crossings = disc_test_(leaf.first + i * lanes, count - i * lanes,
                                                {from_start(0, i), from_start(1, i), from_start(2, i), ts[i],
                                                 distances_sq[i], error, outer_sq, inner_sq, radius[i]},
                                                along, *left);

@@ -100,23 +100,27 @@ HWY_INLINE void walk(const TreeView& tree, const Center& low, const Center& high
 
 constexpr int k_columns = 16, k_lanes = hn::MaxLanes(PointLanes()), k_parts = k_columns / k_lanes;
 
-/// Gathers the points of a ball.
+/// Gathers the points of a ball, and calls use() with one full block of them after another and with the rest;
+/// use() returns false to end.
+template <class Use>
 class Gatherer {
  public:
-  Gatherer(const TreeView& tree, const Ball& ball, BallPoints& points)
-      : tree_(tree), center_(tree, ball.position, ball.reach), points_(points) {
+  Gatherer(const TreeView& tree, const Ball& ball, BallPoints& points, const Use& use)
+      : tree_(tree), center_(tree, ball.position, ball.reach), points_(points), use_(use) {
     points.count = 0;
     const auto visit_leaves = [&](const Frame& frame, const Slots& slots, unsigned leaves,
                                   const std::array<float, 3>& offset) {
-      for (; leaves != 0; leaves &= leaves - 1) {
+      for (; leaves != 0 && !has_ended_; leaves &= leaves - 1) {
         const int slot = std::countr_zero(leaves);
         add_leaf(slots.leaf_in(tree.nodes[frame.node], frame, slot), offset);
+        if (points_.count >= BallPoints::k_most_in_block) use_block();
       }
     };
     if (ball.nodes == nullptr) {
       walk(tree, center_, center_, visit_leaves);
     } else {
       for (const Frame& frame : *ball.nodes) {
+        if (has_ended_) return;
         const Node& node = tree.nodes[frame.node];
         const auto offset = center_.from(frame.corner);
         const Slots slots(node);
@@ -124,19 +128,33 @@ class Gatherer {
                      near_slots(node, frame.level, center_.scale(), offset, offset) & slots.leaf, offset);
       }
     }
+    if (has_ended_) return;
     reserve();
     const PointLanes d;
     for (std::size_t i = 0; i < k_columns; i += k_lanes) {
       for (std::vector<float>* column : {&points.x, &points.y, &points.z, &points.closeness})
         hn::StoreU(hn::Zero(d), d, column->data() + points.count + i);
     }
+    use_();
   }
 
  private:
+  /// What does not fill the block is put to the front of the next one, so that every point keeps its column.
+  void use_block() {
+    static_assert(BallPoints::k_most_in_block % k_columns == 0);
+    const std::size_t rest = points_.count - BallPoints::k_most_in_block;
+    points_.count = BallPoints::k_most_in_block;
+    has_ended_ = !use_();
+    if (has_ended_) return;
+    for (std::vector<float>* column : {&points_.x, &points_.y, &points_.z, &points_.closeness})
+      std::copy_n(column->data() + BallPoints::k_most_in_block, rest, column->data());
+    points_.count = rest;
+  }
+
   /// For a leaf and the zeros.
   void reserve() {
     const std::size_t room = points_.count + k_max_leaf_size + k_columns;
-    if (points_.x.size() >= room) return;
+    if (points_.closeness.size() >= room) return;  // the last to grow
     for (std::vector<float>* column : {&points_.x, &points_.y, &points_.z, &points_.closeness})
       column->resize(2 * room);
   }
@@ -198,22 +216,44 @@ class Gatherer {
   const TreeView& tree_;
   const Center center_;
   BallPoints& points_;
+  const Use& use_;
+  bool has_ended_ = false;
 };
 
 void gather(const TreeView& tree, const Ball& ball, BallPoints& points) {
-  Gatherer(tree, ball, points);
+  bool fits = true;
+  points.tree = nullptr;
+  const auto use = [&] {
+    fits = points.count < BallPoints::k_most_in_block;
+    return fits;
+  };
+  Gatherer(tree, ball, points, use);
+  if (fits) return;
+  points.tree = &tree;
+  points.ball = ball;
 }
 
 /// visit(part, x, y, z, closeness): a vector of points, closeness 0 behind the last one. Its lanes are the
 /// columns from part * k_lanes on.
 template <class Visit>
-HWY_INLINE void for_each(const BallPoints& points, const Visit& visit) {
+HWY_INLINE void for_each_in_block(const BallPoints& points, const Visit& visit) {
   const PointLanes d;
   for (std::size_t first = 0; first < points.count; first += k_lanes) {
     visit(static_cast<int>(first / k_lanes) % k_parts, hn::LoadU(d, points.x.data() + first),
           hn::LoadU(d, points.y.data() + first), hn::LoadU(d, points.z.data() + first),
           hn::LoadU(d, points.closeness.data() + first));
   }
+}
+
+template <class Visit>
+HWY_INLINE void for_each(const BallPoints& points, const Visit& visit) {
+  if (points.tree == nullptr) return for_each_in_block(points, visit);
+  BallPoints block;
+  const auto use = [&] {
+    for_each_in_block(block, visit);
+    return true;
+  };
+  Gatherer(*points.tree, points.ball, block, use);
 }
 
 HWY_INLINE PointVector height_above(const Level& level, PointVector x, PointVector y, PointVector z) {

@@ -23,10 +23,16 @@ struct Ball {
 };
 
 /// The points of a ball, a column each: offsets p from its position in units of the reach, and 1 - |p|^2.
-/// Followed by zeros up to a whole number of vectors.
+/// Followed by zeros up to a whole number of vectors. The ball of a stray may hold the whole cloud: of more
+/// than k_most_in_block points the sums gather one block after another.
 struct BallPoints {
+  static constexpr std::size_t k_most_in_block = std::size_t{1} << 14;
+
   std::vector<float> x, y, z, closeness;
   std::size_t count = 0;
+  /// Null: all points of the ball are here. Otherwise tree and ball that they are gathered from again.
+  const TreeView* tree = nullptr;
+  Ball ball{};
 };
 
 /// Sums over the points of a ball; the weight of a point is (1 - |p|^2)^2.
@@ -76,7 +82,7 @@ struct LocalSums {
   /// Replaces `nodes` by those with leaves within reach of a box, in the order of a walk. They serve all
   /// balls that have their position in the box and at most this reach.
   void (*find_nodes)(const TreeView& tree, const Bounds& box, double reach, std::vector<Frame>& nodes);
-  /// Replaces `points`, in the order of a walk.
+  /// Replaces `points`, in the order of a walk. Tree and Ball::nodes must outlive their sums.
   void (*gather)(const TreeView& tree, const Ball& ball, BallPoints& points);
   Moments (*moments)(const BallPoints& points);
   Moments (*of_layer)(const BallPoints& points, const Layer& layer);

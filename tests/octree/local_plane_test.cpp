@@ -180,6 +180,34 @@ TEST(LocalSums, of_the_two_sides_of_a_layer_are_those_of_all_points) {
   }
 }
 
+/// As around a stray, whose neighbours are far away.
+TEST(LocalSums, of_more_points_than_a_block_holds_are_those_of_all) {
+  Random random("large_ball");
+  PointCloud cloud;
+  cloud.lattice.scale = glm::dvec3(1e-3);
+  for (int i = 0; i < 60000; ++i)
+    cloud.positions.emplace_back(random.below(4000), random.below(4000), random.below(400));
+  const Ball ball{{2.0, 2.0, 0.2}, 3.0};
+  const std::array<double, 11> expected = sums_in_double(cloud, ball);
+  ASSERT_EQ(expected[1], 60000.0);
+  const AllSums scalar = all_sums(build(cloud).view(), InstructionSet::scalar, {ball.position, ball.reach});
+  for (const InstructionSet set : available_instruction_sets()) {
+    BuildOptions options;
+    options.instruction_set = set;
+    const Octree octree = build(cloud, options);
+    const AllSums sums = all_sums(octree.view(), set, {ball.position, ball.reach});
+    EXPECT_EQ(std::memcmp(&sums, &scalar, sizeof sums), 0) << name(set);
+    EXPECT_EQ(sums.around.count, 60000.0f);
+    EXPECT_EQ(sums.within.count + sums.beyond.count, 60000.0f);
+    EXPECT_EQ(sums.heights.weight, sums.around.weight);
+    for (std::size_t i = 0; i < 6; ++i)
+      EXPECT_NEAR(sums.around.second[i], expected[5 + i], 1e-4 * expected[0]);
+    for (const float extent : sums.extents) EXPECT_GT(extent, 0.5f);
+    EXPECT_LE(points_of(octree.view(), set, {ball.position, ball.reach}).count,
+              simd::BallPoints::k_most_in_block + k_max_leaf_size);
+  }
+}
+
 /// Points far from others in a wide tree: no rounding of the wide frames loses one within reach.
 TEST(LocalSums, count_every_point_within_reach_in_a_wide_tree) {
   Random random("wide_tree");

@@ -8,6 +8,7 @@
 
 #include "octree/brute_force.h"
 #include "octree/candidate.h"
+#include "octree/leaf_fitter.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
 #include "renderer/disc_tracer.h"
@@ -40,7 +41,8 @@ inline LoadedCloud disc_cloud(const std::vector<glm::dvec3>& points, Random& ran
   return cloud;
 }
 
-/// The points of a cloud in the order of the storage indices, with all that discs are made of.
+/// The points of a cloud in the order of the storage indices, with all that discs are made of. Fits all
+/// surfaces that are not.
 struct PlainPoints {
   explicit PlainPoints(const LoadedCloud& loaded)
       : tree(loaded.octree.view()),
@@ -49,6 +51,7 @@ struct PlainPoints {
               .spacing_factor = loaded.spacing_factor,
               .discs = {.lone_radius = loaded.lone_radius}},
         spacings(spacings_in_order(tree)) {
+    touch_all(tree);  // what is not met by a ray of the renderer first
     cloud.lattice = tree.lattice;
     cloud.positions = positions_in_order(tree);
     for (std::uint32_t index = 0; index < tree.point_count; ++index) ids.push_back(point_id(tree, index));
