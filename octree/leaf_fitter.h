@@ -21,8 +21,8 @@ class LeafFitter {
   virtual ~LeafFitter() = default;
 
   /// To be called before surfaces and edges of the leaf's points are read. Cost: a microsecond per point the
-  /// first time, far more of a leaf with a stray point, whose neighbours are far away; other threads that touch
-  /// the leaf meanwhile wait.
+  /// first time, far more of a leaf with a stray point, whose neighbours are far away; other threads that
+  /// touch the leaf meanwhile wait.
   void touch(const Leaf& leaf) const {
     const std::uint8_t state = std::atomic_ref(stored_edges_[leaf.first]).load(std::memory_order_acquire);
     if (state == k_untouched || state == k_begun) fit(leaf);

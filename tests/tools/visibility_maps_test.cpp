@@ -89,7 +89,8 @@ void expect_map(const json& info, int cells = 520) {
   EXPECT_EQ(info["metadata"]["IMAGE_STRUCTURE"]["LAYOUT"], "COG");
   EXPECT_EQ(info["metadata"]["IMAGE_STRUCTURE"]["COMPRESSION"], "DEFLATE");
   EXPECT_EQ(info["bands"][0]["block"], (json{512, 512}));
-  EXPECT_EQ(info["bands"][0]["overviews"].size(), 1u);
+  // Of maps within one block GDAL tells sometimes one, sometimes none.
+  if (cells > 512) EXPECT_EQ(info["bands"][0]["overviews"].size(), 1u);
   EXPECT_TRUE(contains(info["coordinateSystem"]["wkt"], "32632"));
   const json& metadata = info["metadata"][""];
   EXPECT_EQ(metadata["AREA_OR_POINT"], "Area");
