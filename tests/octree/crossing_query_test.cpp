@@ -372,7 +372,9 @@ bool same_surfaces(const TreeView& a, const TreeView& b) {
 
 TEST_P(CrossingVsBruteForce, surfaces_that_are_fitted_on_demand_are_the_same) {
   for (const PointFamily& family : point_families()) {
-    // One organisation of each, since fits take most of the time.
+    // Fits take most of the time: one organisation of each, and large clouds with one instruction set.
+    constexpr std::size_t k_large = 2500;
+    if (family.cloud.size() > k_large && GetParam() != usable(InstructionSet::best)) continue;
     Random random(family.name + "_on_demand");
     const std::vector<test::NamedOctree> octrees = test::octrees_of(family.cloud, GetParam());
     const test::NamedOctree& named = octrees[random.below(octrees.size())];
@@ -382,7 +384,7 @@ TEST_P(CrossingVsBruteForce, surfaces_that_are_fitted_on_demand_are_the_same) {
     if (all.size() == 0) continue;
     Octree octree = with_surfaces_on_demand(spaced);
     int number = 0;
-    for (const RayCase& c : ray_cases(family.cloud, 12, random)) {
+    for (const RayCase& c : ray_cases(family.cloud, 6, random)) {
       // Whatever touches the leaves first; without an octree of its own, the first query would touch all.
       if (number++ % 3 == 0) octree = with_surfaces_on_demand(spaced);
       RayQuery query = crossing_query(c.query, random);
