@@ -162,7 +162,8 @@ void check_against(const Octree& octree, int max_level, double spacing_factor, M
   if (spacing_factor != 0.0 && !octree.view().spacings)
     throw input_error("spacing_factor requires an octree with spacings", "with_spacings()");
   if (measure == Measure::crossing && !octree.view().stored_surfaces)
-    throw input_error("measure crossing requires an octree that is ready for it", "with_discs()");
+    throw input_error("measure crossing requires an octree that is ready for it",
+                      "with_discs() or with_surfaces_on_demand()");
 }
 
 void check_room(std::size_t targets, std::size_t room) {

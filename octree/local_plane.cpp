@@ -80,8 +80,8 @@ Eigen eigen_by_rotations(glm::dmat3 a) {
 }
 
 /// Of a covariance: the least root of its characteristic polynomial by Newton's method from 0, the others by
-/// their sum and product, and the vector across two columns. A fifth of the time of rotations, which take
-/// over where the two lesser values are nearly equal.
+/// their sum and product, and the vector across two columns. Less than half of the time of rotations, which
+/// take over where the two lesser values are nearly equal.
 Eigen eigen(const glm::dmat3& a) {
   constexpr int k_most_steps = 12;
   // Of the trace, after which another step would be 1e-13 of it or less; of the greatest value.

@@ -200,7 +200,7 @@ struct TreeView {
   /// Where the sheet of each point ends (octree/point_surface.h), by point id, packed. Null without surfaces.
   const std::uint8_t* sheet_edges = nullptr;
   /// Surfaces and edges by storage index, readable for k_coordinate_padding values past the end.
-  /// Null unless with_discs() made them.
+  /// Null unless with_discs() or with_surfaces_on_demand() made them.
   const std::uint32_t* stored_surfaces = nullptr;
   const std::uint8_t* stored_edges = nullptr;
   const LeafFitter* fitter = nullptr;  ///< fills in surfaces and edges leaf by leaf; null: they are there

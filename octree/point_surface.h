@@ -65,7 +65,7 @@ PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
 /// indices. Requires surfaces. Cost: as fast as memory delivers; 5 B per point.
 Octree with_discs(const Octree& octree);
 
-/// surface_of() the point at a storage index. Requires with_discs().
+/// surface_of() the point at a storage index. Requires with_discs(), or a query that has examined its leaf.
 PointSurface surface_at(const TreeView& tree, std::uint32_t index);
 
 // Where the sheet of points that a point belongs to ends beside it: at the edge of a roof, or where the
