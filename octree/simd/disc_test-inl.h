@@ -15,21 +15,23 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Points near a ray, in lanes: their offset from a point of it, the t of their projection and the square of
-/// their distance, each within `error`; `outer` is their radius and the error, or more, `inner` their radius
-/// less the error, or less (inner_sq below 0: no point certainly counts).
+using DiscVector = hn::Vec<PointLanes>;
+using DiscMask = hn::Mask<PointLanes>;
+
+/// Points near rays, in lanes: their offset from a point of the ray, the t of their projection and the square
+/// of their distance, each within `error`; `outer` is their radius and the error, or more, `inner` their
+/// radius less the error, or less (inner_sq below 0: no point certainly counts).
 struct NearRay {
-  using V = hn::Vec<PointLanes>;
-  V x, y, z;
-  V t, distance_sq;
-  V error, outer_sq, inner_sq, radius;
+  DiscVector x, y, z;
+  DiscVector t, distance_sq;
+  DiscVector error, outer_sq, inner_sq, radius;
 };
 
 /// Bounds of the t at which the ray crosses each of them, if it does; `sure`: that it does, whatever its
 /// interval and entry_min are.
 struct Crossings {
-  hn::Vec<PointLanes> low, high;
-  hn::Mask<PointLanes> sure;
+  DiscVector low, high;
+  DiscMask sure;
 };
 
 /// The sheet that a ray begins on, and how far from there the ray is where it enters a leaf.
@@ -51,6 +53,42 @@ struct LeftSheet {
     thickness = begin.thickness;
     way = static_cast<float>(there);
   }
+};
+
+/// Directions of rays, and the sheets that they begin on: of one ray in all lanes, or of one ray per lane.
+struct RaysAtDiscs {
+  DiscVector along[3];
+  bool leave_near_sheets = false;  ///< any of them; otherwise what is below does not apply
+  DiscMask is_near;
+  DiscVector normal[3], reach, thickness, way;
+
+  RaysAtDiscs() = default;
+  HWY_INLINE RaysAtDiscs(const float* direction, const LeftSheet& left) : leave_near_sheets(left.is_near) {
+    const PointLanes d;
+    for (int axis = 0; axis < 3; ++axis) along[axis] = hn::Set(d, direction[axis]);
+    if (!leave_near_sheets) return;
+    is_near = hn::FirstN(d, hn::Lanes(d));
+    for (int axis = 0; axis < 3; ++axis) normal[axis] = hn::Set(d, left.normal[axis]);
+    reach = hn::Set(d, left.reach);
+    thickness = hn::Set(d, left.thickness);
+    way = hn::Set(d, left.way);
+  }
+};
+
+/// The planes of the sheets of points: normals m that are not of length 1, their length, and the points'
+/// heights.
+struct SheetPlanes {
+  DiscVector x, y, z, length, height;
+
+  HWY_INLINE DiscVector dot(DiscVector a, DiscVector b, DiscVector c) const {
+    return hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Mul(c, z)));
+  }
+};
+
+/// SheetPlanes of points, one per lane; which of them have a sheet, and which have no edge near.
+struct PointSheets {
+  SheetPlanes planes;
+  DiscMask exists, is_amid;
 };
 
 /// Where rays cross the discs of points, and enter the spheres of those without a sheet
@@ -76,15 +114,14 @@ class DiscTest {
                 : 0.0f),
         lone_radius_(float_above(std::min(setup.query.discs.lone_radius, setup.query.radius))) {}
 
-  /// along: the ray's direction. Points from this storage index on; lanes from `count` on are not used.
-  HWY_INLINE Crossings operator()(std::uint32_t index, std::size_t count, const NearRay& points,
-                                  const float* along, const LeftSheet& left) const {
+  /// The points from this storage index on; lanes from `count` on are not used.
+  HWY_INLINE PointSheets sheets(std::uint32_t index, std::size_t count) const {
     const PointLanes d;
-    using V = hn::Vec<PointLanes>;
+    using V = DiscVector;
     const hn::RebindToUnsigned<PointLanes> bits;
     const OwnLanes<std::uint32_t> own_surfaces(surfaces_ + index, count);
     const auto packed = hn::LoadU(bits, own_surfaces.values);
-    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), half = hn::Set(d, 0.5f);
+    const V one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
     const auto side = [&](auto shifted) {
       const auto steps = hn::And(shifted, hn::Set(bits, packed_surface::k_side_mask));
       return hn::MulSub(as_float(steps), hn::Set(d, static_cast<float>(2.0 / packed_surface::k_side_steps)),
@@ -92,11 +129,35 @@ class DiscTest {
     };
     const V u = side(hn::ShiftRight<packed_surface::k_first_side>(packed)),
             v = side(hn::ShiftRight<packed_surface::k_second_side>(packed));
-    Planes planes{hn::Mul(half, hn::Add(u, v)), hn::Mul(half, hn::Sub(u, v)), one, one, height_of(packed)};
+    SheetPlanes planes{hn::Mul(half, hn::Add(u, v)), hn::Mul(half, hn::Sub(u, v)), one, one,
+                       height_of(packed)};
     planes.z = hn::Sub(one, hn::Add(hn::Abs(planes.x), hn::Abs(planes.y)));
     planes.length = hn::Sqrt(planes.dot(planes.x, planes.y, planes.z));
+    const OwnLanes<std::uint8_t> own_edges(edges_ + index, count);
+    const auto edges =
+        hn::PromoteTo(bits, hn::LoadU(hn::Rebind<std::uint8_t, PointLanes>(), own_edges.values));
+    return {planes, hn::RebindMask(d, hn::TestBit(packed, hn::Set(bits, packed_surface::k_exists))),
+            hn::RebindMask(d, hn::Eq(edges, hn::Zero(bits)))};
+  }
+
+  /// Points in lanes, whether they have a sheet or not.
+  HWY_INLINE Crossings operator()(const PointSheets& sheets, const NearRay& points,
+                                  const RaysAtDiscs& rays) const {
+    const Crossings discs = of_discs(sheets.planes, sheets.is_amid, points, rays),
+                    spheres = of_spheres(points);
+    return {hn::IfThenElse(sheets.exists, discs.low, spheres.low),
+            hn::IfThenElse(sheets.exists, discs.high, spheres.high),
+            hn::Or(hn::And(sheets.exists, discs.sure), hn::AndNot(sheets.exists, spheres.sure))};
+  }
+
+  /// Of points with a sheet. is_amid: no edge of it is near.
+  HWY_INLINE Crossings of_discs(const SheetPlanes& planes, const DiscMask& is_amid, const NearRay& points,
+                                const RaysAtDiscs& rays) const {
+    const PointLanes d;
+    using V = DiscVector;
+    const V zero = hn::Zero(d);
     const V across = hn::NegMulAdd(planes.height, planes.length, planes.dot(points.x, points.y, points.z));
-    const V slope = planes.dot(hn::Set(d, along[0]), hn::Set(d, along[1]), hn::Set(d, along[2]));
+    const V slope = planes.dot(rays.along[0], rays.along[1], rays.along[2]);
     const V steepness = hn::Abs(slope), t = hn::Div(across, slope);
     const V slope_error = hn::Set(d, 0x1p-18f);
     const V wrong =
@@ -114,15 +175,18 @@ class DiscTest {
     const V inner_chord = hn::Sqrt(hn::Max(hn::Sub(points.inner_sq, points.distance_sq), zero));
     const V beside =
         hn::MulAdd(hn::Set(d, 2.0f), points.error, hn::Add(hn::Abs(hn::Sub(t, points.t)), error));
-    const OwnLanes<std::uint8_t> own_edges(edges_ + index, count);
-    const auto edges =
-        hn::PromoteTo(bits, hn::LoadU(hn::Rebind<std::uint8_t, PointLanes>(), own_edges.values));
-    const auto is_amid = hn::RebindMask(d, hn::Eq(edges, hn::Zero(bits)));
-    const auto may_be_sure = hn::Le(points.distance_sq, points.inner_sq);
-    auto is_sure = hn::And(hn::And(may_be_sure, is_amid), hn::AndNot(grazes, hn::Le(beside, inner_chord)));
+    auto is_sure = hn::And(hn::And(hn::Le(points.distance_sq, points.inner_sq), is_amid),
+                           hn::AndNot(grazes, hn::Le(beside, inner_chord)));
     auto never = hn::FirstN(d, 0);
-    if (left.is_near) leave_sheet(planes, points, along, left, is_sure, never);
+    if (rays.leave_near_sheets) leave_sheet(planes, points, rays, is_sure, never);
+    return {hn::IfThenElse(never, hn::Set(d, std::numeric_limits<float>::infinity()), low), high, is_sure};
+  }
 
+  /// Of points without a sheet.
+  HWY_INLINE Crossings of_spheres(const NearRay& points) const {
+    const PointLanes d;
+    using V = DiscVector;
+    const V zero = hn::Zero(d);
     const V lone = hn::Min(hn::Mul(points.radius, hn::Set(d, lone_share_)), hn::Set(d, lone_radius_));
     const V lone_outer = hn::Add(lone, points.error);
     const V lone_chord_sq =
@@ -132,13 +196,10 @@ class DiscTest {
     const V lone_inner_sq = OwnRadii::inner_sq(d, lone, points.error);
     const V lone_high = hn::Sub(hn::Add(points.t, points.error),
                                 hn::Sqrt(hn::Max(hn::Sub(lone_inner_sq, points.distance_sq), zero)));
-    const auto is_lone_sure = hn::And(may_be_sure, hn::Le(points.distance_sq, lone_inner_sq));
-    const V infinity = hn::Set(d, std::numeric_limits<float>::infinity());
-    const auto exists = hn::RebindMask(d, hn::TestBit(packed, hn::Set(bits, packed_surface::k_exists)));
-    return {hn::IfThenElse(exists, hn::IfThenElse(never, infinity, low),
-                           hn::IfThenElse(meets_lone, lone_low, infinity)),
-            hn::IfThenElse(exists, high, lone_high),
-            hn::Or(hn::And(exists, is_sure), hn::AndNot(exists, is_lone_sure))};
+    const auto is_lone_sure =
+        hn::And(hn::Le(points.distance_sq, points.inner_sq), hn::Le(points.distance_sq, lone_inner_sq));
+    return {hn::IfThenElse(meets_lone, lone_low, hn::Set(d, std::numeric_limits<float>::infinity())),
+            lone_high, is_lone_sure};
   }
 
  private:
@@ -157,47 +218,38 @@ class DiscTest {
 #endif
   };
 
-  /// Of the sheets of points: normals m, their length, and the points' heights.
-  struct Planes {
-    using V = hn::Vec<PointLanes>;
-    V x, y, z, length, height;
-
-    HWY_INLINE V dot(V a, V b, V c) const { return hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Mul(c, z))); }
-  };
-  using Mask = hn::Mask<PointLanes>;
-
   /// Which discs certainly are of the sheet that the ray leaves (is_left()): `never`. Of those that may be,
   /// none is sure. Offsets from the ray's origin err by less than `error`; heights on them by less than
   /// 4 error + 2^-18 h and what the normal makes of the offset.
-  HWY_INLINE void leave_sheet(const Planes& planes, const NearRay& points, const float* along,
-                              const LeftSheet& left, Mask& is_sure, Mask& never) const {
+  HWY_INLINE void leave_sheet(const SheetPlanes& planes, const NearRay& points, const RaysAtDiscs& rays,
+                              DiscMask& is_sure, DiscMask& never) const {
     const PointLanes d;
-    using V = hn::Vec<PointLanes>;
-    const V way = hn::Set(d, left.way), reach = hn::Set(d, left.reach);
-    const V x = hn::MulAdd(way, hn::Set(d, along[0]), points.x),
-            y = hn::MulAdd(way, hn::Set(d, along[1]), points.y),
-            z = hn::MulAdd(way, hn::Set(d, along[2]), points.z);
-    const V error = hn::MulAdd(hn::Abs(way), hn::Set(d, 0x1p-21f), points.error);
+    using V = DiscVector;
+    const V x = hn::MulAdd(rays.way, rays.along[0], points.x),
+            y = hn::MulAdd(rays.way, rays.along[1], points.y),
+            z = hn::MulAdd(rays.way, rays.along[2], points.z);
+    const V error = hn::MulAdd(hn::Abs(rays.way), hn::Set(d, 0x1p-21f), points.error);
     const V offset_sq = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
-    const V widest = hn::Max(reach, hn::Mul(points.radius, hn::Set(d, static_cast<float>(k_part_radii))));
+    const V widest =
+        hn::Max(rays.reach, hn::Mul(points.radius, hn::Set(d, static_cast<float>(k_part_radii))));
     const V outer_sq = OwnRadii::outer_sq(d, hn::Mul(widest, hn::Set(d, k_up)), hn::Add(error, error));
-    const Mask may_be_near = hn::Le(offset_sq, outer_sq);
+    const DiscMask may_be_near = hn::And(rays.is_near, hn::Le(offset_sq, outer_sq));
     if (hn::AllFalse(d, may_be_near)) return;
     const V inner_sq = OwnRadii::inner_sq(d, widest, hn::Add(error, error));
 
-    const V alike = hn::Abs(
-        planes.dot(hn::Set(d, left.normal[0]), hn::Set(d, left.normal[1]), hn::Set(d, left.normal[2])));
+    const V alike = hn::Abs(planes.dot(rays.normal[0], rays.normal[1], rays.normal[2]));
     const V least = hn::Mul(planes.length, hn::Set(d, static_cast<float>(k_same_sheet_cosine))),
             slack = hn::Set(d, 0x1p-17f);
     const V height = hn::Abs(hn::MulSub(planes.height, planes.length, planes.dot(x, y, z)));
-    const V thickness = hn::Mul(planes.length, hn::Set(d, left.thickness));
+    const V thickness = hn::Mul(planes.length, rays.thickness);
     const V height_error = hn::MulAdd(
         hn::Set(d, 4.0f), error,
         hn::Mul(hn::Set(d, 0x1p-18f), hn::Add(hn::Abs(planes.height), hn::Add(widest, thickness))));
-    never = hn::And(hn::And(hn::Le(offset_sq, inner_sq), hn::Ge(alike, hn::Add(least, slack))),
-                    hn::Le(hn::Add(height, height_error), thickness));
-    const Mask may_be = hn::And(hn::And(may_be_near, hn::Ge(alike, hn::Sub(least, slack))),
-                                hn::Le(hn::Sub(height, height_error), thickness));
+    never = hn::And(
+        hn::And(hn::And(rays.is_near, hn::Le(offset_sq, inner_sq)), hn::Ge(alike, hn::Add(least, slack))),
+        hn::Le(hn::Add(height, height_error), thickness));
+    const DiscMask may_be = hn::And(hn::And(may_be_near, hn::Ge(alike, hn::Sub(least, slack))),
+                                    hn::Le(hn::Sub(height, height_error), thickness));
     is_sure = hn::AndNot(may_be, is_sure);
   }
 

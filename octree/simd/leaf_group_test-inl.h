@@ -143,6 +143,40 @@ struct RayList {
   }
 };
 
+/// Rays from where they enter the leaf's box, relative to the frame's corner.
+struct RaysInLeaf {
+  RayVector x, y, z, direction_x, direction_y, direction_z;
+  RayVector t_min, t_max, entry_min, cut;
+
+  static constexpr std::size_t k_most_lanes = 16;
+
+  RaysInLeaf(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::size_t rows,
+             const double* corner) {
+    alignas(64) float from[k_most_lanes][4], direction[k_most_lanes][4], limits[k_most_lanes][4];
+    relative_to(batch[rays[0]], t_near[0], corner, from[0], direction[0], limits[0]);
+    for (std::size_t row = 1; row < rows; ++row)
+      relative_to(batch[rays[row]], t_near[row], corner, from[row], direction[row], limits[row]);
+    // Lanes without a ray repeat the first one.
+    for (std::size_t row = rows; row < hn::Lanes(RayLanes()); ++row) {
+      std::copy_n(from[0], 4, from[row]);
+      std::copy_n(direction[0], 4, direction[row]);
+      std::copy_n(limits[0], 4, limits[row]);
+    }
+    const RayLanes d;
+    RayVector padding;
+    hn::LoadInterleaved4(d, from[0], x, y, z, padding);
+    hn::LoadInterleaved4(d, direction[0], direction_x, direction_y, direction_z, padding);
+    hn::LoadInterleaved4(d, limits[0], t_min, t_max, entry_min, cut);
+  }
+};
+
+/// Calls visit(lane) for the lanes of a mask.
+template <class Visit>
+HWY_INLINE void for_each_lane(const hn::Mask<RayLanes>& mask, const Visit& visit) {
+  for (unsigned bits = mask_bits(RayLanes(), mask); bits != 0; bits &= bits - 1)
+    visit(static_cast<std::size_t>(std::countr_zero(bits)));
+}
+
 /// Tests the points of one leaf against a list of rays, one lane per ray. Lanes decide as those of LeafTest
 /// do; where one point does not stand out, the ray goes to LeafTest.
 template <Measure measure, bool any, Radii radii>
@@ -177,38 +211,13 @@ class LeafGroupTest {
   }
 
  private:
-  static constexpr std::size_t k_most_lanes = 16;
-
-  /// Rays from where they enter the leaf's box, relative to the frame's corner.
-  struct Group {
-    RayVector x, y, z, direction_x, direction_y, direction_z;
-    RayVector t_min, t_max, entry_min, cut;
-
-    Group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::size_t rows,
-          const double* corner) {
-      alignas(64) float from[k_most_lanes][4], direction[k_most_lanes][4], limits[k_most_lanes][4];
-      relative_to(batch[rays[0]], t_near[0], corner, from[0], direction[0], limits[0]);
-      for (std::size_t row = 1; row < rows; ++row)
-        relative_to(batch[rays[row]], t_near[row], corner, from[row], direction[row], limits[row]);
-      // Lanes without a ray repeat the first one.
-      for (std::size_t row = rows; row < hn::Lanes(RayLanes()); ++row) {
-        std::copy_n(from[0], 4, from[row]);
-        std::copy_n(direction[0], 4, direction[row]);
-        std::copy_n(limits[0], 4, limits[row]);
-      }
-      const RayLanes d;
-      RayVector padding;
-      hn::LoadInterleaved4(d, from[0], x, y, z, padding);
-      hn::LoadInterleaved4(d, direction[0], direction_x, direction_y, direction_z, padding);
-      hn::LoadInterleaved4(d, limits[0], t_min, t_max, entry_min, cut);
-    }
-  };
+  static constexpr std::size_t k_most_lanes = RaysInLeaf::k_most_lanes;
 
   void visit_group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::uint32_t left,
                    std::uint64_t& tests) const {
     const RayLanes d;
     const std::size_t rows = std::min<std::size_t>(hn::Lanes(d), left);
-    const Group group(batch, rays, t_near, rows, frame_.corner);
+    const RaysInLeaf group(batch, rays, t_near, rows, frame_.corner);
     const auto error = hn::Set(d, float_above(frame_.error));
     const auto low = hn::Sub(group.t_min, error);
     auto high = hn::Add(group.cut, error);
@@ -267,9 +276,12 @@ class LeafGroupTest {
     }
     const auto has_leader = hn::And(in_list, hn::Lt(leader_high, none));
     if constexpr (any) {
-      for_each(has_leader, [&](std::size_t lane) { Single::finish(batch[rays[lane]]); });
+      alignas(64) std::uint32_t leaders[k_most_lanes];
+      hn::Store(leader, n, leaders);
+      for_each_lane(has_leader,
+                    [&](std::size_t lane) { single_.finish(batch[rays[lane]], leaf_, leaders[lane]); });
       const auto unclear = hn::And(in_list, hn::AndNot(has_leader, hn::Lt(lowest, none)));
-      for_each(unclear, [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
+      for_each_lane(unclear, [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
       return;
     }
     const auto cut = hn::Min(leader_high, hn::Add(group.cut, error));
@@ -281,7 +293,7 @@ class LeafGroupTest {
     hn::Store(leader_low, d, leader_lows);
     hn::Store(leader_high, d, leader_highs);
     hn::Store(leader, n, leaders);
-    for_each(stands_out, [&](std::size_t lane) {
+    for_each_lane(stands_out, [&](std::size_t lane) {
       const ActiveRay ray = batch[rays[lane]];
       const double t = t_near[lane];
       if (t + leader_highs[lane] < ray.state.best_low) {
@@ -290,8 +302,8 @@ class LeafGroupTest {
         alone(batch[rays[lane]], t_near[lane]);
       }
     });
-    for_each(hn::AndNot(stands_out, counts),
-             [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
+    for_each_lane(hn::AndNot(stands_out, counts),
+                  [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
   }
 
   /// Squares of point i's radius: LeafTest::LeafFrame::outer_sq and LeafTest::inner_sq.
@@ -300,12 +312,6 @@ class LeafGroupTest {
   }
   HWY_INLINE RayVector inner_sq(std::uint32_t i) const {
     return hn::Set(RayLanes(), radii == Radii::own ? inner_sq_[i] : single_.inner_sq(frame_));
-  }
-
-  template <class Visit>
-  static void for_each(const hn::Mask<RayLanes>& mask, const Visit& visit) {
-    for (unsigned bits = mask_bits(RayLanes(), mask); bits != 0; bits &= bits - 1)
-      visit(static_cast<std::size_t>(std::countr_zero(bits)));
   }
 
   HWY_NOINLINE void alone(const ActiveRay& ray, float t_near) const {

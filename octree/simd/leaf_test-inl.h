@@ -126,13 +126,43 @@ class LeafTest {
     cut_at(ray, high);
   }
 
-  /// Any point is enough: nothing more counts.
-  static void finish(const ActiveRay& ray) {
+  /// Any point is enough, and this one of a leaf counts: no other matters.
+  void finish(const ActiveRay& ray, const Leaf& leaf, std::uint32_t index) const {
+    ray.state.best_position = position_of(setup_.tree, leaf, index);
+    ray.state.best_index = leaf.first + index;
     ray.state.best_low = -std::numeric_limits<double>::infinity();
     ray.boxes.t_cut = -std::numeric_limits<float>::infinity();
   }
 
+  /// Whether a point that has counted for another ray counts for this one.
+  bool counts(const ActiveRay& ray, const LatticePosition& position, std::uint32_t index) const {
+    return in_double(ray, position, index).has_value();
+  }
+
+  /// Decides those points of a leaf (bits) in double that can be the best. low_of(i): point i begins not
+  /// before, from `start` on.
+  template <class LowOf>
+  void decide_in_order(const ActiveRay& ray, const Leaf& leaf, std::uint32_t possible, double start,
+                       const LowOf& low_of) const {
+    while (possible != 0) {
+      std::uint32_t next = index_of_lowest_bit(possible);
+      for (std::uint32_t rest = possible & (possible - 1); rest != 0; rest &= rest - 1) {
+        const std::uint32_t i = index_of_lowest_bit(rest);
+        if (low_of(i) < low_of(next)) next = i;
+      }
+      possible &= ~(1u << next);
+      if constexpr (any) {
+        if (!in_double(ray, leaf, next)) continue;
+        finish(ray, leaf, next);
+        return;
+      }
+      if (start + low_of(next) > ray.state.limits.cut) return;
+      decide(ray, leaf, next);
+    }
+  }
+
   const OwnRadii& own_radii() const { return own_radii_; }
+  const DiscTest& disc_test() const { return disc_test_; }
   bool all_in_double() const { return all_in_double_; }
   float radius_above() const { return radius_above_; }
 
@@ -211,10 +241,10 @@ class LeafTest {
     hn::Vec<PointLanes> lows[vectors], highs[vectors];
     auto first_high = none;
     std::uint32_t crossed = 0;
-    std::optional<LeftSheet> left;
+    RaysAtDiscs at_discs;
     if constexpr (measure == Measure::crossing) {
       touch(setup_.tree, leaf);
-      left.emplace(ray, setup_.query, start, frame.error);
+      at_discs = RaysAtDiscs(along, LeftSheet(ray, setup_.query, start, frame.error));
     }
     for (int i = 0; i < vectors; ++i) {
       if constexpr (measure == Measure::crossing) {
@@ -230,10 +260,10 @@ class LeafTest {
       lows[i] = entry_low;
       highs[i] = hn::Add(ts[i], error);
       if constexpr (measure == Measure::crossing) {
-        const Crossings crossings = disc_test_(leaf.first + i * lanes, count - i * lanes,
+        const Crossings crossings = disc_test_(disc_test_.sheets(leaf.first + i * lanes, count - i * lanes),
                                                {from_start(0, i), from_start(1, i), from_start(2, i), ts[i],
                                                 distances_sq[i], error, outer_sq, inner_sq, radius[i]},
-                                               along, *left);
+                                               at_discs);
         lows[i] = crossings.low;
         highs[i] = crossings.high;
         const auto counts =
@@ -266,12 +296,17 @@ class LeafTest {
     const float leader_high = hn::GetLane(first_high);
     if constexpr (any) {
       if (leader_high < std::numeric_limits<float>::infinity()) {
-        finish(ray);
+        std::uint32_t leaders = 0;
+        for (int i = 0; i < vectors; ++i)
+          leaders |= mask_bits(d, hn::Eq(highs[i], first_high)) << (i * lanes);
+        finish(ray, leaf, index_of_lowest_bit(leaders));
         return;
       }
       if constexpr (measure != Measure::crossing) {
-        for (; possible != 0 && !ray.state.found(); possible &= possible - 1)
-          if (in_double(ray, leaf, index_of_lowest_bit(possible))) finish(ray);
+        for (; possible != 0 && !ray.state.found(); possible &= possible - 1) {
+          const std::uint32_t i = index_of_lowest_bit(possible);
+          if (in_double(ray, leaf, i)) finish(ray, leaf, i);
+        }
         return;
       }
     }
@@ -292,32 +327,12 @@ class LeafTest {
       possible &= ~(1u << leader);
     }
     if constexpr (measure == Measure::crossing) {
-      decide_in_order(ray, leaf, possible, start, all_lows);
+      decide_in_order(ray, leaf, possible, start, [&](std::uint32_t i) { return all_lows[i]; });
       return;
     }
     for (; possible != 0; possible &= possible - 1) {
       const std::uint32_t i = index_of_lowest_bit(possible);
       if (start + all_lows[i] <= ray.state.limits.cut) decide(ray, leaf, i);
-    }
-  }
-
-  /// lows: none of the points begins before, from `start` on.
-  void decide_in_order(const ActiveRay& ray, const Leaf& leaf, std::uint32_t possible, double start,
-                       const float* lows) const {
-    while (possible != 0) {
-      std::uint32_t next = index_of_lowest_bit(possible);
-      for (std::uint32_t rest = possible & (possible - 1); rest != 0; rest &= rest - 1) {
-        const std::uint32_t i = index_of_lowest_bit(rest);
-        if (lows[i] < lows[next]) next = i;
-      }
-      possible &= ~(1u << next);
-      if constexpr (any) {
-        if (!in_double(ray, leaf, next)) continue;
-        finish(ray);
-        return;
-      }
-      if (start + lows[next] > ray.state.limits.cut) return;
-      decide(ray, leaf, next);
     }
   }
 

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "octree/simd/disc_group_test-inl.h"
 #include "octree/simd/leaf_group_test-inl.h"
 #include "octree/simd/ray_walk-inl.h"
 
@@ -140,12 +141,13 @@ class RayStream {
 
   void test_leaf(const Leaf& leaf, std::uint32_t count,
                  const typename LeafTest<measure, any, radii>::LeafFrame& frame, const RayList& list) {
-    if constexpr (measure != Measure::crossing) {
-      if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
+    if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
+      if constexpr (measure == Measure::crossing)
+        DiscGroupTest<any>(setup_, traversed_.leaf_test, leaf, count, frame).visit(batch_, list, tests_);
+      else
         LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, frame)
             .visit(batch_, list, tests_);
-        return;
-      }
+      return;
     }
     for (std::uint32_t i = 0; i < list.count; ++i)
       traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, frame, list.t_near[i]);
