@@ -27,18 +27,20 @@ namespace HWY_NAMESPACE {
 /// of one cell keep their order. Cost: some nanoseconds per ray.
 class RayOrder {
  public:
-  /// distance: what rays travel, metres, roughly; a difference of directions counts so much times as one of
-  /// origins.
-  RayOrder(std::span<const Ray> rays, double distance) : numbers_(rays.size()) {
+  /// numbers: of the rays to be ordered. distance: what rays travel, metres, roughly; a difference of
+  /// directions counts so much times as one of origins.
+  RayOrder(std::span<const Ray> rays, std::span<const std::uint32_t> numbers, double distance)
+      : numbers_(numbers.size()) {
     // A cell for every few rays: counting goes through all cells.
     constexpr int k_most_bits = 11;
-    const int bits = std::clamp(static_cast<int>(std::bit_width(rays.size())) - 2, 0, k_most_bits);
+    const int bits = std::clamp(static_cast<int>(std::bit_width(numbers.size())) - 2, 0, k_most_bits);
     const std::vector<Column> columns = columns_of(rays, distance, bits);
     std::vector<std::uint32_t> begin((std::size_t{8} << bits) + 1);
-    std::vector<std::uint16_t> keys(rays.size());
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const double* const coordinates = &rays[i].origin.x;
-      std::uint32_t key = octant_of(rays[i]) << bits;
+    std::vector<std::uint16_t> keys(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      const Ray& ray = rays[numbers[i]];
+      const double* const coordinates = &ray.origin.x;
+      std::uint32_t key = octant_of(ray) << bits;
       for (const Column& column : columns)
         key |=
             column
@@ -51,7 +53,7 @@ class RayOrder {
       if (key % (std::size_t{1} << bits) == 0) octant_begin_[key >> bits] = sum;
       sum += std::exchange(begin[key], sum);
     }
-    for (std::size_t i = 0; i < rays.size(); ++i) numbers_[begin[keys[i]]++] = static_cast<std::uint32_t>(i);
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers_[begin[keys[i]]++] = numbers[i];
   }
 
   std::span<const std::uint32_t> of_octant(unsigned octant) const {
