@@ -287,6 +287,15 @@ class Octree {
     Octree octree(view, std::make_shared<const std::pair<Storage, Storage>>(storage_, std::move(arrays)),
                   instruction_set_);
     octree.scratch_ = scratch_;
+    octree.is_mapped_ = is_mapped_;
+    return octree;
+  }
+
+  /// Whether coordinates lie in a file that is mapped, on small pages and perhaps not in memory yet.
+  bool is_mapped() const { return is_mapped_; }
+  Octree with_mapped(bool is_mapped) const {
+    Octree octree = *this;
+    octree.is_mapped_ = is_mapped;
     return octree;
   }
 
@@ -305,6 +314,7 @@ class Octree {
   Storage storage_;
   InstructionSet instruction_set_ = InstructionSet::scalar;
   ScratchFolder scratch_;
+  bool is_mapped_ = false;
 };
 
 }  // namespace alidade

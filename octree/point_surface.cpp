@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <memory>
+#include <new>
 #include <optional>
 #include <span>
 #include <thread>
@@ -392,6 +393,38 @@ SurfaceArrays stored_arrays(const Octree& octree) {
   return stored;
 }
 
+/// What crossings read most of a mapped file, out of the map if there is room: there pages are small, and
+/// most leaves that a ray meets are on another one. A picture of 1e7 points takes 0.955 of the time.
+Octree out_of_map(const Octree& octree) {
+  const std::size_t spacings = octree.size() + k_coordinate_padding,
+                    coordinates = 3 * octree.size() + k_coordinate_padding;
+  const std::uint64_t bytes = (spacings + coordinates) * sizeof(std::uint16_t);
+  constexpr std::uint64_t k_room = 6;  // for the file, surfaces and colours as well
+  if (!octree.is_mapped() || octree.scratch() || k_room * bytes > available_memory().value_or(0))
+    return octree;
+  struct Copies {
+    HugeArray<std::uint16_t> coordinates, spacings;
+  };
+  const auto made = std::make_shared<Copies>();
+  try {
+    made->coordinates = HugeArray<std::uint16_t>(coordinates);
+    made->spacings = HugeArray<std::uint16_t>(spacings);
+  } catch (const std::bad_alloc&) {
+    return octree;
+  }
+  const auto copy = [](const std::uint16_t*& values, HugeArray<std::uint16_t>& to) {
+    constexpr std::size_t k_grain = std::size_t{1} << 20;
+    in_blocks(to.size(), k_grain, [&](std::size_t first, std::size_t end) {
+      std::copy(values + first, values + end, to.data() + first);
+    });
+    values = to.data();
+  };
+  TreeView tree = octree.view();
+  copy(tree.coordinates, made->coordinates);
+  copy(tree.spacings, made->spacings);
+  return octree.with_view(tree, made).with_mapped(false);
+}
+
 class OnDemandFitter : public LeafFitter {
  public:
   /// Requires spacings.
@@ -502,7 +535,8 @@ PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
 Octree with_discs(const Octree& octree) {
   if (octree.size() == 0 || octree.view().stored_surfaces) return octree;
   const auto made = std::make_shared<SurfaceArrays>(stored_arrays(octree));
-  TreeView tree = octree.view();
+  const Octree near = out_of_map(octree);
+  TreeView tree = near.view();
   constexpr std::uint32_t k_grain = 1 << 16;
   in_parallel(tree.point_count, k_grain, [&](std::uint32_t index) {
     const std::uint64_t id = point_id(tree, index);
@@ -511,7 +545,7 @@ Octree with_discs(const Octree& octree) {
   });
   tree.stored_surfaces = made->surfaces.data();
   tree.stored_edges = made->edges.data();
-  return octree.with_view(tree, made);
+  return near.with_view(tree, made);
 }
 
 PointSurface surface_at(const TreeView& tree, std::uint32_t index) {

@@ -62,7 +62,9 @@ Octree with_surfaces_on_demand(const Octree& octree);
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
 
 /// This octree, ready for queries of Measure::crossing: its surfaces also in the order of the storage
-/// indices. Requires surfaces. Cost: as fast as memory delivers; 5 B per point.
+/// indices, and, out of a mapped file, coordinates and spacings on huge pages if there is room for them.
+/// Requires surfaces. Cost: as fast as memory, or the disk of a mapped file, delivers; 5 B per point, of a
+/// mapped file 13 B.
 Octree with_discs(const Octree& octree);
 
 /// surface_of() the point at a storage index. Requires with_discs(), or a query that has examined its leaf.

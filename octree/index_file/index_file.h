@@ -67,7 +67,7 @@ class IndexFile {
   const TreeView& tree(const Progress& progress = {}) const;
   /// tree() as an octree, which keeps the map alive.
   Octree octree(const Progress& progress = {}) const {
-    return Octree(tree(progress), storage(), usable(InstructionSet::best));
+    return Octree(tree(progress), storage(), usable(InstructionSet::best)).with_mapped(true);
   }
   /// What keeps the map alive.
   std::shared_ptr<const void> storage() const;
