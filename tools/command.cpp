@@ -135,6 +135,34 @@ void add_command(std::vector<Command>& commands, const Options& program, const A
   group.parts.push_back(added.declare(group.options));
 }
 
+/// Declares the commands that the words may name: one of the core alone, if the first word is its name, since
+/// declaring them all takes longer than most of them do; none for the version; otherwise all.
+std::vector<Command> declare_commands(const Options& program, std::span<const std::string> words,
+                                      const ProgramHooks& extensions) {
+  struct CoreCommand {
+    std::string_view name;
+    Command (*declare)(const Options& program);
+  };
+  constexpr CoreCommand k_core[] = {{"info", add_info},       {"generate", add_generate},
+                                    {"index", add_index},     {"catalog", add_catalog},
+                                    {"convert", add_convert}, {"query", add_query},
+                                    {"render", add_render},   {"merge", add_merge},
+                                    {"compare", add_compare}, {"visibility", add_visibility},
+                                    {"sql", add_sql}};
+  std::vector<Command> commands;
+  if (words.size() == 1 && words[0] == "--version") return commands;
+  const auto* const named = std::ranges::find(k_core, words.empty() ? "" : words[0], &CoreCommand::name);
+  const bool is_named = named != std::end(k_core);
+  for (const CoreCommand& command : is_named ? std::span(named, 1) : std::span(k_core))
+    commands.push_back(command.declare(program));
+  for (const AddedCommand& added : extensions.commands)
+    if (!is_named || added.group == named->name) add_command(commands, program, added);
+  if (is_named) return commands;
+  commands.push_back(add_formats(program));
+  commands.push_back(add_manual(program));
+  return commands;
+}
+
 /// Runs the chosen one of these commands or of their parts.
 ExitCode run_chosen(const std::vector<Command>& commands, const CommandLine& words) {
   const auto is_chosen = [](const Command& command) { return command.options.chosen(); };
@@ -203,15 +231,6 @@ ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extens
   check_server_names(command_line);
   jobs::set_remote_user({&interrupted, &say_remote_note, &confirm});
   use_crs_library({.compare = &geo::compare_systems, .wkt = &geo::library_wkt});
-  Parser parser;
-  const Options program = parser.program();
-  std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),
-                                   add_catalog(program),    add_convert(program),  add_query(program),
-                                   add_render(program),     add_merge(program),    add_compare(program),
-                                   add_visibility(program), add_sql(program)};
-  for (const AddedCommand& added : extensions.commands) add_command(commands, program, added);
-  commands.push_back(add_formats(program));
-  commands.push_back(add_manual(program));
   // Behind the program's name.
   CommandLine words(command_line.begin() + std::min<std::ptrdiff_t>(std::ssize(command_line), 1),
                     command_line.end());
@@ -220,6 +239,8 @@ ExitCode run_program(const CommandLine& command_line, const ProgramHooks& extens
     std::rotate(words.begin(), words.begin() + 1, words.end());
     words.back() = "--help";
   }
+  Parser parser;
+  const std::vector<Command> commands = declare_commands(parser.program(), words, extensions);
 
   const std::string explanation = explain_unknown_word(words, commands);
   if (!explanation.empty()) return say_usage_error(explanation, words, commands);
