@@ -22,6 +22,8 @@ if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   endif()
   add_link_options(-Wl,-z,relro,-z,now)
 endif()
+# Without the libraries of which only headers are used, every start is shorter.
+add_link_options(-Wl,--as-needed)
 # The version that files, pictures and pages name.
 target_compile_definitions(alidade_flags INTERFACE ALIDADE_VERSION="${PROJECT_VERSION}")
 
