@@ -15,8 +15,7 @@ namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
 /// LeafGroupTest for discs: one lane per ray, so that sheets are unpacked once for all rays. Discs of one
-/// sheet overlap, so that often none stands out; the points that can be the best are decided in double at
-/// once, as LeafTest does.
+/// sheet overlap, and often several may be the first: those are decided in double here, as LeafTest does.
 template <bool any>
 class DiscGroupTest {
  public:
