@@ -10,8 +10,8 @@
 
 #include "base/error.h"
 #include "jobs/large_clouds.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "surface/point_surface.h"
 
 namespace alidade::jobs {
 

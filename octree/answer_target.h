@@ -31,11 +31,13 @@ inline bool suits_traversal(const Ray& ray) {
   return std::fabs(square - 1.0) <= 2e-15 && is_short(ray.origin);
 }
 
-inline bool has_traversal(const Octree& octree, const RayQuery& query) {
-  const TreeView& tree = octree.view();
-  return query.measure != Measure::distance && query.radius < k_longest && query.spacing_factor < k_longest &&
-         is_short(tree.lattice.offset) && is_short(tree.bounds.min) && is_short(tree.bounds.max) &&
+inline bool suits_traversal(const TreeView& tree) {
+  return is_short(tree.lattice.offset) && is_short(tree.bounds.min) && is_short(tree.bounds.max) &&
          tree.extent.frame_width < k_longest;
+}
+
+inline bool has_traversal(const TreeView& tree, const RayQuery& query) {
+  return query.measure != Measure::distance && query.radius < k_longest && suits_traversal(tree);
 }
 
 template <class Target>
@@ -111,7 +113,7 @@ std::optional<Hit> first_hit(const Octree& octree, const Target& target, const Q
                              std::size_t query_index) {
   if (octree.size() == 0) return std::nullopt;
   if constexpr (std::is_same_v<Target, Ray>) {
-    if (has_traversal(octree, query) && suits_traversal(target))
+    if (has_traversal(octree.view(), query) && suits_traversal(target))
       return simd::traversal(octree.instruction_set()).closest(octree.view(), target, query, query_index);
   }
   std::vector<Hit> hits;
@@ -123,7 +125,7 @@ template <class Target, class Query>
 bool any_hit(const Octree& octree, const Target& target, const Query& query, std::size_t query_index) {
   if (octree.size() == 0) return false;
   if constexpr (std::is_same_v<Target, Ray>) {
-    if (has_traversal(octree, query) && suits_traversal(target))
+    if (has_traversal(octree.view(), query) && suits_traversal(target))
       return simd::traversal(octree.instruction_set()).occluded(octree.view(), target, query, query_index);
   }
   return count_to(octree, target, query, 1, query_index) > 0;

@@ -7,29 +7,17 @@
 #include "base/error.h"
 #include "octree/candidate.h"
 #include "octree/check_query.h"
-#include "octree/leaf_fitter.h"
 #include "octree/spacing.h"
 
 namespace alidade::brute_force {
 namespace {
 
-/// Whether a point answers: evaluate() of octree/candidate.h, with what a path or a ray needs made ready.
+/// Whether a point answers: evaluate() of octree/candidate.h, with what a path needs made ready.
 template <class Target, class Query>
-auto evaluator(const Target& target, const Query& query, const PointProperties& properties) {
+auto evaluator(const Target& target, const Query& query) {
   if constexpr (std::is_same_v<Target, Path>) {
     return [&, segments = segments_of(target)](const glm::dvec3& position, std::uint64_t id) {
       return evaluate(project(segments, position), target.t_min, target.t_max, query, position, id);
-    };
-  } else if constexpr (std::is_same_v<Target, Ray>) {
-    return [&](const glm::dvec3& position, std::uint64_t id) {
-      const double radius =
-          query.spacing_factor > 0.0 ? own_radius(query, properties.spacings[id]) : query.radius;
-      if (query.measure == Measure::crossing) {
-        const TreeView& tree = *properties.surfaces;
-        return evaluate_crossing(target, query, radius, surface_of(tree, id), tree.sheet_edges[id], position,
-                                 id, 0);
-      }
-      return evaluate(target, query, radius, position, id, 0);
     };
   } else {
     return
@@ -37,33 +25,13 @@ auto evaluator(const Target& target, const Query& query, const PointProperties& 
   }
 }
 
-template <class Target, class Query>
-void check_all(const PointCloud& cloud, const Target& target, const Query& query,
-               const PointProperties& properties) {
-  if constexpr (std::is_same_v<Target, Ray>) {
-    check(query);
-    if (query.measure == Measure::crossing && cloud.size() > 0 &&
-        !(properties.surfaces && properties.surfaces->surfaces &&
-          properties.surfaces->point_count == cloud.size()))
-      throw Error({.problem = "measure crossing requires the surfaces of the points"});
-    if (query.measure == Measure::crossing && properties.surfaces) touch_all(*properties.surfaces);
-    if (query.spacing_factor > 0.0 && properties.spacings.size() != cloud.size()) {
-      throw Error({.problem = "spacing_factor requires the spacings of the points",
-                   .expected = std::to_string(cloud.size()),
-                   .found = std::to_string(properties.spacings.size())});
-    }
-  }
+/// All answers, in the order of the points.
+template <TargetGeometry T>
+std::vector<AnswerOf<T>> all(const PointCloud& cloud, const T& target, const QueryOf<T>& query) {
   check_target(target, query);
   if (query.max_level != k_all_levels)
     throw Error({.problem = "max_level requires an octree", .expected = "no max_level"});
-}
-
-/// All answers, in the order of the points.
-template <TargetGeometry T>
-std::vector<AnswerOf<T>> all(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-                             const PointProperties& properties) {
-  check_all(cloud, target, query, properties);
-  const auto answer_of = evaluator(target, query, properties);
+  const auto answer_of = evaluator(target, query);
   std::vector<AnswerOf<T>> answers;
   for (std::size_t id = 0; id < cloud.size(); ++id) {
     if (const auto answer = answer_of(cloud.world(id), id)) answers.push_back(*answer);
@@ -93,49 +61,44 @@ std::vector<double> spacings(const PointCloud& cloud, int neighbours) {
 }
 
 template <TargetGeometry T>
-std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-                              const PointProperties& properties) {
-  std::vector<AnswerOf<T>> answers = all(cloud, target, query, properties);
+std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target, const QueryOf<T>& query) {
+  std::vector<AnswerOf<T>> answers = all(cloud, target, query);
   std::ranges::sort(answers, [&](const auto& a, const auto& b) { return precedes(measure_of(query), a, b); });
   if (answers.size() > query.k) answers.resize(query.k);
   return answers;
 }
 
 template <TargetGeometry T>
-std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-                  const PointProperties& properties) {
-  return std::min(all(cloud, target, query, properties).size(), query.k);
+std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query) {
+  return std::min(all(cloud, target, query).size(), query.k);
 }
 
 template <LineGeometry T>
-std::optional<Hit> closest(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-                           const PointProperties& properties) {
-  const std::vector<Hit> answers = find(cloud, target, query, properties);
+std::optional<Hit> closest(const PointCloud& cloud, const T& target, const QueryOf<T>& query) {
+  const std::vector<Hit> answers = find(cloud, target, query);
   return answers.empty() ? std::nullopt : std::optional(answers.front());
 }
 
 template <LineGeometry T>
-bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-              const PointProperties& properties) {
-  return !all(cloud, target, query, properties).empty();
+bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query) {
+  return !all(cloud, target, query).empty();
 }
 
-using Properties = const PointProperties&;
-template std::optional<Hit> closest(const PointCloud&, const Ray&, const RayQuery&, Properties);
-template std::optional<Hit> closest(const PointCloud&, const Cone&, const ConeQuery&, Properties);
-template bool occluded(const PointCloud&, const Ray&, const RayQuery&, Properties);
-template bool occluded(const PointCloud&, const Cone&, const ConeQuery&, Properties);
-template std::vector<Hit> find(const PointCloud&, const Ray&, const RayQuery&, Properties);
-template std::vector<Hit> find(const PointCloud&, const Cone&, const ConeQuery&, Properties);
-template std::vector<PathHit> find(const PointCloud&, const Path&, const PathQuery&, Properties);
-template std::vector<PointHit> find(const PointCloud&, const HalfSpaces&, const PointQuery&, Properties);
-template std::vector<PointHit> find(const PointCloud&, const Bounds&, const PointQuery&, Properties);
-template std::vector<PointHit> find(const PointCloud&, const glm::dvec3&, const PointQuery&, Properties);
-template std::size_t count(const PointCloud&, const Ray&, const RayQuery&, Properties);
-template std::size_t count(const PointCloud&, const Cone&, const ConeQuery&, Properties);
-template std::size_t count(const PointCloud&, const Path&, const PathQuery&, Properties);
-template std::size_t count(const PointCloud&, const HalfSpaces&, const PointQuery&, Properties);
-template std::size_t count(const PointCloud&, const Bounds&, const PointQuery&, Properties);
-template std::size_t count(const PointCloud&, const glm::dvec3&, const PointQuery&, Properties);
+template std::optional<Hit> closest(const PointCloud&, const Ray&, const RayQuery&);
+template std::optional<Hit> closest(const PointCloud&, const Cone&, const ConeQuery&);
+template bool occluded(const PointCloud&, const Ray&, const RayQuery&);
+template bool occluded(const PointCloud&, const Cone&, const ConeQuery&);
+template std::vector<Hit> find(const PointCloud&, const Ray&, const RayQuery&);
+template std::vector<Hit> find(const PointCloud&, const Cone&, const ConeQuery&);
+template std::vector<PathHit> find(const PointCloud&, const Path&, const PathQuery&);
+template std::vector<PointHit> find(const PointCloud&, const HalfSpaces&, const PointQuery&);
+template std::vector<PointHit> find(const PointCloud&, const Bounds&, const PointQuery&);
+template std::vector<PointHit> find(const PointCloud&, const glm::dvec3&, const PointQuery&);
+template std::size_t count(const PointCloud&, const Ray&, const RayQuery&);
+template std::size_t count(const PointCloud&, const Cone&, const ConeQuery&);
+template std::size_t count(const PointCloud&, const Path&, const PathQuery&);
+template std::size_t count(const PointCloud&, const HalfSpaces&, const PointQuery&);
+template std::size_t count(const PointCloud&, const Bounds&, const PointQuery&);
+template std::size_t count(const PointCloud&, const glm::dvec3&, const PointQuery&);
 
 }  // namespace alidade::brute_force

@@ -11,9 +11,7 @@
 
 // What every query means, as plain loops in double over world coordinates: the definition, and the oracle of
 // the tests. Same contracts as octree/query.h; cost is linear in the number of points. A cloud has no levels:
-// max_level is an Error; a filter on the level of a point replaces it. For RayQuery::spacing_factor the
-// functions of rays take the spacings of the points, for Measure::crossing their surfaces, too (Errors
-// without them).
+// max_level is an Error; a filter on the level of a point replaces it.
 
 namespace alidade::brute_force {
 
@@ -21,29 +19,15 @@ namespace alidade::brute_force {
 /// Cost: quadratic.
 std::vector<double> spacings(const PointCloud& cloud, int neighbours);
 
-/// What queries of rays may need of the points beside their positions.
-struct PointProperties {
-  PointProperties() = default;
-  PointProperties(const std::vector<double>& by_id, const TreeView* tree = nullptr)
-      : spacings(by_id), surfaces(tree) {}
-
-  std::span<const double> spacings{};  ///< by point id
-  const TreeView* surfaces = nullptr;  ///< a tree that has them
-};
-
 template <LineGeometry T>
 std::optional<Hit> closest(const PointCloud& cloud, const T& target,
-                           const QueryOf<T>& query = no_conditions<T>(),
-                           const PointProperties& properties = {});
+                           const QueryOf<T>& query = no_conditions<T>());
 template <LineGeometry T>
-bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query = no_conditions<T>(),
-              const PointProperties& properties = {});
+bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query = no_conditions<T>());
 template <TargetGeometry T>
 std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target,
-                              const QueryOf<T>& query = no_conditions<T>(),
-                              const PointProperties& properties = {});
+                              const QueryOf<T>& query = no_conditions<T>());
 template <TargetGeometry T>
-std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query = no_conditions<T>(),
-                  const PointProperties& properties = {});
+std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query = no_conditions<T>());
 
 }  // namespace alidade::brute_force

@@ -53,39 +53,20 @@ std::string text_of(const glm::dvec3& v) {
   return fmt::format("({}, {}, {})", v.x, v.y, v.z);
 }
 
-void check(const RayQuery& query) {
-  check_k(query.k, query.max_level);
-  check_radius(query.radius);
-  require(query.spacing_factor >= 0.0 && std::isfinite(query.spacing_factor), "spacing_factor out of range",
-          "a finite number, at least 0", query.spacing_factor);
-  if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min is NaN"});
-  require(query.measure != Measure::entry || !std::isinf(query.radius), "measure entry requires a radius",
+void check_radius_along_ray(double radius, Measure measure, double entry_min) {
+  check_radius(radius);
+  if (std::isnan(entry_min)) throw Error({.problem = "entry_min is NaN"});
+  require(measure != Measure::entry || !std::isinf(radius), "measure entry requires a radius",
           "a finite radius, or measure t or distance", "none");
-  if (query.measure != Measure::crossing) {
-    if (!query.discs.begins.empty())
-      throw input_error("sheets that rays begin on require measure crossing", "none");
-    return;
-  }
-  require(query.spacing_factor > 0.0, "measure crossing requires radii of the points' own",
-          "a spacing_factor above 0", query.spacing_factor);
-  require(!std::isinf(query.radius), "measure crossing requires a radius", "a finite radius", "none");
-  require(query.discs.lone_factor >= 0.0 && std::isfinite(query.discs.lone_factor),
-          "lone_factor out of range", "a finite number, at least 0", query.discs.lone_factor);
-  require(std::isfinite(query.discs.edge_shift), "edge_shift is not finite", "a finite number",
-          query.discs.edge_shift);
-  require(query.discs.lone_radius >= 0.0, "lone_radius out of range", "at least 0", query.discs.lone_radius);
 }
 
-void check_begins(const RayQuery& query, std::size_t rays) {
-  if (query.discs.begins.empty() || query.discs.begins.size() == rays) return;
-  throw input_error("the sheets that rays begin on do not match the rays", fmt::format("{}, or none", rays),
-                    fmt::format("{}", query.discs.begins.size()));
+void check(const RayQuery& query) {
+  check_k(query.k, query.max_level);
+  check_radius_along_ray(query.radius, query.measure, query.entry_min);
 }
 
 void check(const ConeQuery& query) {
   check_k(query.k, query.max_level);
-  if (query.measure == Measure::crossing)
-    throw Error({.problem = "cones do not support measure crossing", .expected = "t, distance or entry"});
 }
 
 void check(const PathQuery& query) {
@@ -93,8 +74,6 @@ void check(const PathQuery& query) {
   check_radius(query.radius);
   if (query.measure == Measure::entry)
     throw Error({.problem = "paths do not support measure entry", .expected = "t or distance"});
-  if (query.measure == Measure::crossing)
-    throw Error({.problem = "paths do not support measure crossing", .expected = "t or distance"});
 }
 
 void check(const PointQuery& query) {
@@ -155,15 +134,9 @@ void check(const glm::dvec3& point) {
   check_position(point, "the point");
 }
 
-void check_against(const Octree& octree, int max_level, double spacing_factor, Measure measure) {
-  if (octree.size() == 0) return;
-  if (max_level != k_all_levels && octree.view().organisation != Organisation::layered)
+void check_level(const Octree& octree, int max_level) {
+  if (octree.size() > 0 && max_level != k_all_levels && octree.view().organisation != Organisation::layered)
     throw Error({.problem = "max_level requires a layered octree", .expected = "Organisation::layered"});
-  if (spacing_factor != 0.0 && !octree.view().spacings)
-    throw input_error("spacing_factor requires an octree with spacings", "with_spacings()");
-  if (measure == Measure::crossing && !octree.view().stored_surfaces)
-    throw input_error("measure crossing requires an octree that is ready for it",
-                      "with_discs() or with_surfaces_on_demand()");
 }
 
 void check_room(std::size_t targets, std::size_t room) {

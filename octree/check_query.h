@@ -18,10 +18,8 @@ namespace alidade {
 /// A position or direction as messages show it.
 std::string text_of(const glm::dvec3& v);
 
-/// Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite; entry_min NaN;
-/// Measure::entry with an infinite radius; max_level negative; Measure::crossing with an infinite radius,
-/// without spacing_factor, or with a lone_factor or lone_radius that is negative or NaN; DiscQuery::begins of
-/// another measure.
+/// Errors: k = 0; radius negative or NaN; entry_min NaN; Measure::entry with an infinite radius; max_level
+/// negative.
 void check(const RayQuery& query);
 void check(const ConeQuery& query);
 /// Errors beside those of cones and rays: Measure::entry.
@@ -29,8 +27,9 @@ void check(const PathQuery& query);
 void check(const PointQuery& query);
 /// For boxes and half-spaces. Errors beside those: a radius.
 void check_without_radius(const PointQuery& query);
-/// Errors: DiscQuery::begins that are not as many as the rays, nor none.
-void check_begins(const RayQuery& query, std::size_t rays);
+/// What queries of rays have in common. Errors: radius negative or NaN; entry_min NaN; Measure::entry with an
+/// infinite radius.
+void check_radius_along_ray(double radius, Measure measure, double entry_min);
 
 /// Errors: what make_ray and its like promise does not hold: numbers not finite, a direction or normal whose
 /// length is not 1 within 1e-6, limits NaN; of cones: radius or slope negative; of paths: fewer than two
@@ -56,25 +55,17 @@ void check_conditions(const Query& query) {
 template <class Target, class Query>
 void check_target(const Target& target, const Query& query) {
   check_conditions<Target>(query);
-  if constexpr (std::is_same_v<Target, Ray>) check_begins(query, 1);
   check(target);
 }
 
-/// What the query requires of the octree. Errors: max_level for one that has points and is not layered;
-/// spacing_factor for one that has points and no spacings; Measure::crossing for one without with_discs().
-void check_against(const Octree& octree, int max_level, double spacing_factor, Measure measure);
-template <class Query>
-void check_against(const Octree& octree, const Query& query) {
-  double spacing_factor = 0.0;
-  if constexpr (requires { query.spacing_factor; }) spacing_factor = query.spacing_factor;
-  check_against(octree, query.max_level, spacing_factor, measure_of(query));
-}
+/// Errors: max_level for an octree that has points and is not layered.
+void check_level(const Octree& octree, int max_level);
 
 /// Target, query, and what the query requires of the octree.
 template <class Target, class Query>
 void check_target(const Octree& octree, const Target& target, const Query& query) {
   check_target(target, query);
-  check_against(octree, query);
+  check_level(octree, query.max_level);
 }
 
 /// Errors: room for answers that is not as long as the targets.

@@ -109,10 +109,9 @@ TreeExtent extent_of(const TreeView& tree) {
 
 std::size_t Octree::memory() const {
   const std::size_t per_point = 3 * sizeof(std::uint16_t) + (view_.ids ? sizeof(std::uint32_t) : 0);
-  const std::size_t spacings = view_.spacings ? view_.point_count + k_node_width * view_.node_count : 0;
-  const std::size_t orders = (view_.surfaces ? 1 : 0) + (view_.stored_surfaces ? 1 : 0);
-  const std::size_t surfaces = orders * view_.point_count * (sizeof(std::uint32_t) + sizeof(std::uint8_t));
-  return view_.node_count * sizeof(Node) + view_.point_count * per_point + surfaces +
+  const std::size_t spacings = layers_.spacings ? view_.point_count + k_node_width * view_.node_count : 0;
+  const std::size_t surface_bytes = layers_.surfaces ? sizeof(std::uint32_t) + sizeof(std::uint8_t) : 0;
+  return view_.node_count * sizeof(Node) + view_.point_count * (per_point + surface_bytes) +
          view_.exact_count() * sizeof(LatticePosition) + spacings * sizeof(std::uint16_t);
 }
 

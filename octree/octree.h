@@ -160,8 +160,6 @@ struct TreeExtent {
   double size = 0.0;                ///< sum of the sides of the bounds
 };
 
-class LeafFitter;
-
 /// The flat arrays of an octree, as traversals read them. A *storage index* is a point's number in the order
 /// of the leaves; its id, the row in the cloud, is point_id(view, storage index).
 struct TreeView {
@@ -187,23 +185,6 @@ struct TreeView {
   /// index - first_exact].
   const LatticePosition* positions = nullptr;
   std::uint32_t first_exact = 0;  ///< meaningless without positions
-  /// Spacing of the point at each storage index (octree/spacing.h), and the greatest below each slot of each
-  /// node, 0 in empty ones: slot s of node n at 16 n + s. The upper halves of floats, metres. Both null if
-  /// not measured. `spacings` is readable for k_coordinate_padding values past the end.
-  const std::uint16_t* spacings = nullptr;
-  const std::uint16_t* slot_spacings = nullptr;
-  int spacing_neighbours = 0;  ///< a spacing is the distance to this neighbour; 0 without spacings
-  /// The surface each point lies on (octree/point_surface.h), by point id, packed with lengths in steps of
-  /// surface_unit metres. Null if not fitted.
-  const std::uint32_t* surfaces = nullptr;
-  double surface_unit = 0.0;
-  /// Where the sheet of each point ends (octree/point_surface.h), by point id, packed. Null without surfaces.
-  const std::uint8_t* sheet_edges = nullptr;
-  /// Surfaces and edges by storage index, readable for k_coordinate_padding values past the end.
-  /// Null unless with_discs() or with_surfaces_on_demand() made them.
-  const std::uint32_t* stored_surfaces = nullptr;
-  const std::uint8_t* stored_edges = nullptr;
-  const LeafFitter* fitter = nullptr;  ///< fills in surfaces and edges leaf by leaf; null: they are there
 
   /// Length of `positions`.
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }
@@ -226,24 +207,24 @@ TreeExtent extent_of(const TreeView& tree);
 
 constexpr int k_coordinate_padding = 32;
 
+/// What was measured around each point of an octree, as index files store it. Null and 0: not measured.
+struct PointLayers {
+  /// Spacing of the point at each storage index (octree/spacing.h), and the greatest below each slot of each
+  /// node, 0 in empty ones: slot s of node n at 16 n + s. The upper halves of floats, metres. `spacings` is
+  /// readable for k_coordinate_padding values past the end.
+  const std::uint16_t* spacings = nullptr;
+  const std::uint16_t* slot_spacings = nullptr;
+  int spacing_neighbours = 0;  ///< a spacing is the distance to this neighbour
+  /// The surface each point lies on, and where its sheet ends (surface/point_surface.h), by point id, packed;
+  /// lengths are in steps of surface_unit metres.
+  const std::uint32_t* surfaces = nullptr;
+  double surface_unit = 0.0;
+  const std::uint8_t* sheet_edges = nullptr;
+};
+
 /// The id of the point at a storage index.
 inline std::uint64_t point_id(const TreeView& tree, std::uint32_t index) {
   return tree.ids ? tree.ids[index] : index;
-}
-
-/// What 16 bits of a spacing represent, metres; infinity is possible.
-inline float spacing_of(std::uint16_t bits) {
-  return std::bit_cast<float>(std::uint32_t{bits} << 16);
-}
-
-/// The spacings of a node's slots; null without spacings.
-inline const std::uint16_t* slot_spacings(const TreeView& tree, std::uint32_t node) {
-  return tree.slot_spacings ? tree.slot_spacings + std::size_t{k_node_width} * node : nullptr;
-}
-
-/// Spacing of the point at a storage index. Requires spacings.
-inline double spacing_at(const TreeView& tree, std::uint32_t index) {
-  return spacing_of(tree.spacings[index]);
 }
 
 /// Up to frames of this level, 16 bits hold the steps from a frame's corner.
@@ -274,6 +255,7 @@ class Octree {
   std::size_t memory() const;
 
   const TreeView& view() const { return view_; }
+  const PointLayers& layers() const { return layers_; }
   InstructionSet instruction_set() const { return instruction_set_; }
   /// This index (shared arrays), traversed with another instruction set. Errors: not available on this
   /// machine.
@@ -282,12 +264,11 @@ class Octree {
     octree.instruction_set_ = usable(instruction_set);
     return octree;
   }
-  /// This index with a view of more arrays, which `arrays` keeps alive beside those it has.
-  Octree with_view(const TreeView& view, std::shared_ptr<const void> arrays) const {
-    Octree octree(view, std::make_shared<const std::pair<Storage, Storage>>(storage_, std::move(arrays)),
-                  instruction_set_);
-    octree.scratch_ = scratch_;
-    octree.is_mapped_ = is_mapped_;
+  /// This index with other layers, whose arrays `arrays` keeps alive beside those it has.
+  Octree with_layers(const PointLayers& layers, std::shared_ptr<const void> arrays = nullptr) const {
+    Octree octree = *this;
+    octree.layers_ = layers;
+    if (arrays) octree.storage_ = std::make_shared<const std::pair<Storage, Storage>>(storage_, arrays);
     return octree;
   }
 
@@ -311,6 +292,7 @@ class Octree {
   using Storage = std::shared_ptr<const void>;
 
   TreeView view_;
+  PointLayers layers_;
   Storage storage_;
   InstructionSet instruction_set_ = InstructionSet::scalar;
   ScratchFolder scratch_;

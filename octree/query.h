@@ -11,6 +11,8 @@
 #include <optional>
 #include <ranges>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "base/bounds.h"
@@ -26,7 +28,7 @@ namespace alidade {
 struct Hit {
   std::uint64_t point_id = 0;  ///< row of the cloud
   glm::dvec3 position{0.0};    ///< of the point, world coordinates
-  double t = 0.0;              ///< of the point's projection on the ray, metres; see Measure::crossing
+  double t = 0.0;              ///< of the point's projection on the ray, metres
   double distance = 0.0;       ///< of the point to the ray's line, metres
   /// Where the ray enters the sphere around the point whose radius is the query's (for a cone: the limit at
   /// t), metres; -infinity if the radius is infinite.
@@ -77,11 +79,11 @@ struct PathHit {
 //   Error. Boxes may be infinite; an inverted box holds nothing.
 // - Batches run in parallel (oneTBB, as many threads as the caller's arena allows) and answer in the order of
 //   the targets. Errors name the number of the target ("ray 17").
-// - Common Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite, or above 0 for an
-//   octree without spacings; Measure::entry with an infinite radius (of rays) or at all (of paths);
-//   Measure::crossing of cones and paths, or without what it needs; max_level negative, or given for an
-//   octree that is not layered; room for answers, or DiscQuery::begins, not as long as the targets. A batch
-//   with Errors leaves its answers incomplete.
+// - Common Errors: k = 0; radius negative or NaN; Measure::entry with an infinite radius (of rays) or at all
+//   (of paths); max_level negative, or given for an octree that is not layered; room for answers that is not
+//   as long as the targets. A batch with Errors leaves its answers incomplete.
+//
+// Of points with radii of their own, or discs, surface/surface_cloud.h answers what rays meet.
 
 class Octree;
 
@@ -90,9 +92,6 @@ enum class Measure {
   distance,  ///< to the line of the ray or to the path
   t,         ///< of the projection (the paper's "closest")
   entry,     ///< where the ray enters the sphere around the point, see Hit::entry; not for paths
-  /// Where the ray crosses the disc of the point's sheet (octree/point_disc.h); of a point without a sheet,
-  /// where it enters a small sphere. Of rays only.
-  crossing,
 };
 
 struct PointDisc;
@@ -103,55 +102,50 @@ struct Candidate {
   glm::dvec3 position{0.0};
   double t = 0.0;  ///< 0 for points, boxes and half-spaces
   double distance = 0.0;
-  double radius = 0.0;              ///< of ray queries: the point's (RayQuery::spacing_factor); 0 for others
-  const PointDisc* disc = nullptr;  ///< of Measure::crossing: what the ray meets; of a small sphere null
+  double radius = 0.0;              ///< of ray queries: the point's; 0 for others
+  const PointDisc* disc = nullptr;  ///< what the ray meets of a SurfaceCloud; null of spheres and of others
   std::size_t query_index = 0;      ///< number of the target in a batch
 };
 
-/// Whether a candidate counts: for classes, times, oriented discs. Must return the same for the same
-/// candidate whenever called, in any order and from several threads at once. It may be called for points that
-/// then are no part of the answer, and not for every point that meets the other conditions.
+/// Whether a candidate counts: for classes, times, oriented discs. Its functions must return the same for the
+/// same candidate whenever called, in any order and from several threads at once. They may be called for
+/// points that then are no part of the answer, and not for every point that meets the other conditions.
 ///
 /// `closest` of rays promises more, so that a filter can collect what a ray passes: it calls the filter for
 /// every such point before its answer, or for all of them if there is no answer, perhaps twice for a point,
 /// and for one query_index from one thread at a time. There a filter may first reject a point and admit it
-/// when called again, but must not reject a point that it has admitted. RayQuery::position_filter is called
-/// in the same way, but of the points of one position perhaps only for the one with the lowest id.
-using CandidateFilter = std::function<bool(const Candidate&)>;
+/// when called again, but must not reject a point that it has admitted.
+struct CandidateFilter {
+  using Function = std::function<bool(const Candidate&)>;
+
+  /// Called first, for what depends on where a point is: the same for all points of one position, whose
+  /// spacings and surfaces are equal, too. Of a million such points `closest` and `occluded` then test a few,
+  /// perhaps only the one with the lowest id, as they do without a filter; of_point is called for each.
+  Function of_position{};
+  Function of_point{};
+
+  CandidateFilter() = default;
+  /// For single points.
+  template <class F>
+  requires(!std::same_as<std::remove_cvref_t<F>, CandidateFilter> && std::constructible_from<Function, F>)
+      CandidateFilter(F&& function)
+      : of_point(std::forward<F>(function)) {}
+
+  explicit operator bool() const { return of_position || of_point; }
+  bool admits(const Candidate& candidate) const {
+    return (!of_position || of_position(candidate)) && (!of_point || of_point(candidate));
+  }
+};
 
 constexpr double k_unlimited_radius = std::numeric_limits<double>::infinity();
 constexpr std::size_t k_all = std::numeric_limits<std::size_t>::max();
 constexpr int k_all_levels = std::numeric_limits<int>::max();
-
-/// The sheet of points that a ray begins on, whose discs it does not meet: those that are near
-/// (is_part_of_surface()) and whose normal deviates by at most 32 degrees. A reach of 0: the ray begins in the
-/// air.
-struct SheetOrigin {
-  glm::dvec3 normal{0.0, 0.0, 1.0};      ///< of length 1; not checked
-  float reach = 0.0f, thickness = 0.0f;  ///< metres
-};
-
-/// Conditions of Measure::crossing, which takes discs of the points' own radii (RayQuery::spacing_factor above
-/// 0) in an octree that is ready for it (with_discs()): Hit::t is that of the crossing, to which the ray's
-/// interval applies. The radius of the sphere of a point without a sheet is lone_factor times its spacing, at
-/// most lone_radius and that of a disc.
-struct DiscQuery {
-  double lone_factor = 0.25;
-  double lone_radius = std::numeric_limits<double>::infinity();  ///< metres
-  double edge_shift = 0.0;  ///< discs reach so many spacings farther than the edges of their sheets
-  /// One for each ray of the batch, or none at all. It must outlive the query.
-  std::span<const SheetOrigin> begins{};
-};
 
 /// Conditions of a ray query.
 struct RayQuery {
   /// Points with distance <= radius count. Metres.
   double radius = k_unlimited_radius;
   Measure measure = Measure::entry;
-  /// Above 0: every point has a radius of its own, this factor times its spacing, and `radius` only limits
-  /// it. So spheres close a surface where points are sparse and stay small where they are dense. Needs an
-  /// octree with spacings (octree/spacing.h). Order, limits and Hit::entry go by the point's radius.
-  double spacing_factor = 0.0;
   /// At most so many points: the first ones by the measure. `closest` is k = 1 whatever this is.
   std::size_t k = k_all;
   /// Only spheres that the ray enters at or after this t (entry >= entry_min). The default admits
@@ -162,11 +156,6 @@ struct RayQuery {
   /// a point: TreeView::level_count.
   int max_level = k_all_levels;
   CandidateFilter filter{};
-  /// Called before `filter`, for what depends on where a point is: it must return the same for all points of
-  /// one position, which have equal spacings and surfaces. Of a million such points `closest` and `occluded`
-  /// then test a few, as they do without filters; `filter` alone is called for each.
-  CandidateFilter position_filter{};
-  DiscQuery discs{};  ///< of Measure::crossing
 };
 
 /// Conditions of a cone query; the limit on the distance is the cone's own.
@@ -200,14 +189,6 @@ template <class Query>
 Measure measure_of(const Query& query) {
   if constexpr (requires { query.measure; }) return query.measure;
   return Measure::distance;
-}
-
-/// Whether a query rejects points by more than its other conditions.
-template <class Query>
-bool has_filter(const Query& query) {
-  if constexpr (requires { query.position_filter; })
-    if (query.position_filter) return true;
-  return static_cast<bool>(query.filter);
 }
 
 /// Answers to a batch: those of target i are answers[i]. Contiguous in memory.

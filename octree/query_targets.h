@@ -6,7 +6,6 @@
 #include <type_traits>
 
 #include "octree/candidate.h"
-#include "octree/leaf_fitter.h"
 #include "octree/octree.h"
 #include "octree/path_index.h"
 #include "octree/query.h"
@@ -42,7 +41,6 @@ class OctreeAsTree {
   template <class Visit>
   void for_each_point(const Node& node, const Visit& visit) const {
     if (node.inner) return;
-    if constexpr (naming == PointNaming::index) touch(view_, node.leaf);
     for (std::uint32_t i = 0; i < node.leaf.count; ++i) {
       const std::uint32_t index = node.leaf.first + i;
       if (!visit(naming == PointNaming::index ? index : point_id(view_, index),
@@ -153,35 +151,6 @@ class AlongTarget : public TargetOn<T> {
 using RayTarget = AlongTarget<Ray>;
 using ConeTarget = AlongTarget<Cone>;
 
-/// A ray that meets points with radii of their own (RayQuery::spacing_factor), passed by storage index. No
-/// point's radius is above the query's.
-class OwnRadiusTarget : public RayTarget {
- public:
-  OwnRadiusTarget(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t query_index = 0)
-      : AlongTarget(ray, query, query_index), tree_(tree) {}
-
-  std::optional<Hit> evaluate(const glm::dvec3& position, std::uint64_t index) const {
-    return evaluate_own(target_, query_, tree_, static_cast<std::uint32_t>(index), position, query_index_);
-  }
-
-  bool outside_interval(const Reach& reach) const {
-    if (query_.measure != Measure::crossing) return AlongTarget::outside_interval(reach);
-    // A disc is crossed at most its radius from the projection of its point.
-    const double beside =
-        query_.radius + 0x1p-40 * (query_.radius + std::fabs(reach.t.low) + std::fabs(reach.t.high));
-    return reach.t.low - beside > target_.t_max ||
-           reach.t.high + beside < std::max(target_.t_min, query_.entry_min);
-  }
-  double least_measure(const Reach& reach) const {
-    // Crossings order as entries do, and are not before them.
-    if (query_.measure != Measure::crossing) return AlongTarget::least_measure(reach);
-    return entry({reach.t.low, reach.distance}, query_.radius);
-  }
-
- private:
-  const TreeView& tree_;
-};
-
 class PathTarget : public TargetOn<Path> {
  public:
   PathTarget(const Path& path, const PathQuery& query, std::size_t query_index = 0)
@@ -272,17 +241,12 @@ typename TreeTarget<T>::type make_target(const T& target, const QueryOf<T>& quer
 }
 
 /// Calls use(tree, target) with an octree and a target as Algorithm 1 (octree/tree_query.h) takes them for
-/// this query. Points with radii of their own are passed by storage index. k: no more answers are of
-/// interest.
+/// this query. k: no more answers are of interest.
 template <class Target, class Query, class Use>
 auto with_tree_target(const TreeView& view, const Target& target, const Query& query, std::size_t query_index,
                       const Use& use, std::size_t k = k_all) {
-  if constexpr (std::is_same_v<Target, Ray>) {
-    if (query.spacing_factor > 0.0)
-      return use(OctreeByIndex(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
-  }
   // Without a filter, those of the lowest ids come first, and they are stored first.
-  const bool takes_all = !has_filter(query) && query.max_level == k_all_levels;
+  const bool takes_all = !query.filter && query.max_level == k_all_levels;
   return use(OctreeTree(view, query.max_level, takes_all ? k : k_all),
              make_target(target, query, query_index));
 }

@@ -208,9 +208,9 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
                  .expected = fmt::format("1 to {}", k_most_spacing_neighbours),
                  .found = std::to_string(neighbours)});
   }
-  if (octree.size() == 0 || octree.view().spacing_neighbours == neighbours) return octree;
+  if (octree.size() == 0 || octree.layers().spacing_neighbours == neighbours) return octree;
   const auto made = std::make_shared<Spacings>();
-  TreeView tree = octree.view();
+  const TreeView& tree = octree.view();
   made->points =
       HugeArray<std::uint16_t>(std::size_t{tree.point_count} + k_coordinate_padding, octree.scratch());
   for_each_leaf_in_parallel(tree, progress, [&] {
@@ -219,42 +219,25 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
     };
   });
   std::fill_n(made->points.data() + tree.point_count, k_coordinate_padding, std::uint16_t{0});
-  tree.spacings = made->points.data();
 
   made->slots = HugeArray<std::uint16_t>(std::size_t{k_node_width} * tree.node_count, octree.scratch());
+  PointLayers layers = octree.layers();
+  layers.spacings = made->points.data();
+  layers.slot_spacings = made->slots.data();
+  layers.spacing_neighbours = neighbours;
   // Children are behind their parents.
   for (std::uint32_t index = tree.node_count; index-- > 0;) {
-    std::ranges::copy(greatest_spacings(tree, made->slots.data(), index),
+    std::ranges::copy(greatest_spacings(tree, layers, index),
                       made->slots.data() + std::size_t{k_node_width} * index);
   }
-  tree.slot_spacings = made->slots.data();
-  tree.spacing_neighbours = neighbours;
-  return octree.with_view(tree, made);
-}
-
-double sphere_radius(const RayQuery& query, const Hit& hit) {
-  // Rounding of t is distinguished from other spacings, which differ in eight bits.
-  constexpr double k_rounding = 1e-8;
-  const double half_chord = hit.t - hit.entry;
-  const double radius = std::sqrt(hit.distance * hit.distance + half_chord * half_chord);
-  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(radius / query.spacing_factor));
-  const double spacing = spacing_of(static_cast<std::uint16_t>((bits + 0x8000u) >> 16));
-  const double own = own_radius(query, spacing);
-  return std::fabs(own - radius) <= k_rounding * radius ? own : query.radius;
-}
-
-std::vector<double> spacings_in_order(const TreeView& tree) {
-  std::vector<double> spacings(tree.point_count);
-  for (std::uint32_t index = 0; index < tree.point_count; ++index)
-    spacings[point_id(tree, index)] = spacing_at(tree, index);
-  return spacings;
+  return octree.with_layers(layers, made);
 }
 
 HugeVector<float> spacings_in_order(const Octree& octree) {
   const TreeView& tree = octree.view();
   HugeVector<float> spacings(tree.point_count, octree.scratch());
   for (std::uint32_t index = 0; index < tree.point_count; ++index)
-    spacings[point_id(tree, index)] = spacing_of(tree.spacings[index]);
+    spacings[point_id(tree, index)] = spacing_of(octree.layers().spacings[index]);
   return spacings;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -40,11 +41,8 @@ Spacing measure_spacing(const Octree& octree, std::size_t sample_count = 20000, 
 /// spacing can be measured it is a thousandth of the bounds' diagonal, or 0.01 if that is zero too.
 double automatic_radius(const Octree& octree, int max_level = k_all_levels);
 
-// How far the points of a cloud are from each other, point by point: what RayQuery::spacing_factor makes
-// radii of.
-//
-//   const Octree octree = with_spacings(build(cloud), 8);
-//   const auto hit = closest(octree, ray, {.radius = 0.5, .spacing_factor = 1.0});
+// How far the points of a cloud are from each other, point by point: what SurfaceQuery::spacing_factor
+// (surface/surface_cloud.h) makes radii of.
 //
 // The spacing of a point is the distance to its n-th nearest neighbour: of the points that are at another
 // position, nearest first, the n-th; infinite if there are fewer. It is rounded up to eight significant bits
@@ -57,24 +55,26 @@ constexpr int k_most_spacing_neighbours = 64;
 /// point and 32 B per node. Errors: n below 1 or above k_most_spacing_neighbours.
 Octree with_spacings(const Octree& octree, int neighbours, const Progress& progress = {});
 
-/// The 16 bits that represent a spacing, rounded up; see spacing_of(). Requires: not negative, not NaN.
+/// The 16 bits that represent a spacing, rounded up. Requires: not negative, not NaN.
 std::uint16_t spacing_bits(double metres);
 
-/// The radius that a point had when a query with a spacing_factor found it: the same bits whatever the ray,
-/// and those of the query's own unless a point's radius and the query's differ by less than 1e-8 of it, where
-/// it may be the other. Requires |t| below 10^6 radii.
-double sphere_radius(const RayQuery& query, const Hit& hit);
+/// What 16 bits of a spacing represent, metres; infinity is possible.
+inline float spacing_of(std::uint16_t bits) {
+  return std::bit_cast<float>(std::uint32_t{bits} << 16);
+}
 
-/// The spacings by point id, metres. Requires spacings. Cost: linear.
-std::vector<double> spacings_in_order(const TreeView& tree);
-/// spacings_in_order() at 4 B per point, in Octree::scratch().
+/// Spacing of the point at a storage index. Requires spacings.
+inline double spacing_at(const PointLayers& layers, std::uint32_t index) {
+  return spacing_of(layers.spacings[index]);
+}
+
+/// The spacings by point id, metres, in Octree::scratch(). Requires spacings. Cost: linear.
 HugeVector<float> spacings_in_order(const Octree& octree);
 
-/// The greatest spacings below the slots of a node, as TreeView::slot_spacings has them; 0 for empty slots.
-/// slot_spacings: those of all nodes behind this one are read, among which its children are. Requires
-/// spacings.
+/// The greatest spacings below the slots of a node, as PointLayers::slot_spacings has them; 0 for empty slots.
+/// Of the layers, slot spacings of the nodes behind this one are read, among which its children are.
 inline std::array<std::uint16_t, k_node_width> greatest_spacings(const TreeView& tree,
-                                                                 const std::uint16_t* slot_spacings,
+                                                                 const PointLayers& layers,
                                                                  std::uint32_t node_index) {
   const Node& node = tree.nodes[node_index];
   std::uint32_t first_point = node.first_point;
@@ -84,10 +84,10 @@ inline std::array<std::uint16_t, k_node_width> greatest_spacings(const TreeView&
     const std::uint8_t kind = node.kind[slot];
     // The bits of floats that are not negative have the order of the numbers.
     if (is_inner(kind)) {
-      const std::uint16_t* below = slot_spacings + k_node_width * child++;
+      const std::uint16_t* below = layers.slot_spacings + k_node_width * child++;
       greatest[slot] = *std::max_element(below, below + k_node_width);
     } else if (is_leaf(kind)) {
-      greatest[slot] = *std::max_element(tree.spacings + first_point, tree.spacings + first_point + kind);
+      greatest[slot] = *std::max_element(layers.spacings + first_point, layers.spacings + first_point + kind);
       first_point += kind;
     }
   }

@@ -23,10 +23,10 @@
 #include "jobs/cloud_fields.h"
 #include "octree/build.h"
 #include "octree/index_file/save_index.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
 #include "python/docstrings.h"
+#include "surface/point_surface.h"
 
 namespace alidade::python {
 namespace {

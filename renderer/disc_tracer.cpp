@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "octree/distance.h"
-#include "octree/local_plane.h"
-#include "octree/point_disc.h"
 #include "octree/spacing.h"
+#include "surface/local_plane.h"
+#include "surface/point_disc.h"
 
 namespace alidade::renderer {
 namespace {
@@ -76,31 +76,29 @@ struct DiscCloud::SheetSums {
 };
 
 DiscCloud::DiscCloud(const LoadedCloud& cloud, bool blends)
-    : octree_(with_surfaces_on_demand(cloud.octree)),
+    : surfaces_(cloud.surfaces),
       query_{.radius = cloud.radius,
-             .measure = Measure::crossing,
              .spacing_factor = cloud.spacing_factor,
-             .discs = {.lone_radius = cloud.lone_radius}},
+             .discs = DiscQuery{.lone_radius = cloud.lone_radius}},
       colors_(cloud.point_colors()),
       blends_(blends) {}
 
-RayQuery DiscCloud::query_of(std::span<const SheetOrigin> origins) const {
-  RayQuery query = query_;
+SurfaceQuery DiscCloud::query_of(std::span<const SheetOrigin> origins) const {
+  SurfaceQuery query = query_;
   const bool all_in_air =
       std::ranges::all_of(origins, [](const SheetOrigin& origin) { return origin.reach == 0.0f; });
-  if (!all_in_air) query.discs.begins = origins;
+  if (!all_in_air) query.discs->begins = origins;
   return query;
 }
 
 DiscCloud::SheetSums DiscCloud::blend(const Ray& ray, const DiscHit& hit,
                                       std::vector<PointSphere>& around) const {
-  const TreeView& tree = octree_.view();
   const glm::dvec3 met = ray.origin + hit.t * ray.direction, first_normal = hit.sheet.normal;
   around.clear();
-  find_enclosing(octree_, met, query_, around);
+  find_enclosing(surfaces_, met, query_, around);
   SheetSums sums;
   for (const PointSphere& sphere : around) {
-    const PointSurface surface = surface_at(tree, sphere.index);
+    const PointSurface surface = surfaces_.surface_at(sphere.index);
     if (!surface.exists) continue;
     const PointDisc disc = point_disc(sphere.center, surface, sphere.radius);
     if (!is_of_sheet(disc, met, first_normal)) continue;
@@ -115,7 +113,7 @@ DiscCloud::SheetSums DiscCloud::blend(const Ray& ray, const DiscHit& hit,
     sums.t += weight * later;
     sums.t_squared += weight * later * later;
     sums.normal += weight * (glm::dot(disc.normal, first_normal) < 0.0 ? -disc.normal : disc.normal);
-    sums.color += weight * glm::dvec3(color_of(point_id(tree, sphere.index)));
+    sums.color += weight * glm::dvec3(color_of(point_id(surfaces_.view().tree, sphere.index)));
     sums.farthest = std::max(sums.farthest, height_above_sheet(disc, met));
   }
   return sums;
@@ -124,7 +122,7 @@ DiscCloud::SheetSums DiscCloud::blend(const Ray& ray, const DiscHit& hit,
 DiscHit DiscCloud::disc_hit(const Ray& ray, const Hit& first, bool blends,
                             std::vector<PointSphere>& around) const {
   DiscHit hit{.t = first.t, .point_id = first.point_id, .color = color_of(first.point_id)};
-  const PointSurface surface = surface_of(octree_.view(), first.point_id);
+  const PointSurface surface = surfaces_.surface(first.point_id);
   const glm::dvec3 met = ray.origin + first.t * ray.direction;
   if (!surface.exists) {
     hit.sheet.normal = glm::normalize(met - first.position);
@@ -152,12 +150,12 @@ DiscHit DiscCloud::disc_hit(const Ray& ray, const Hit& first, bool blends,
 void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
                         std::span<std::optional<DiscHit>> hits) const {
   std::vector<std::optional<Hit>> first(rays.size());
-  alidade::closest(octree_, rays, query_of(origins), first);
+  alidade::closest(surfaces_, rays, query_of(origins), first);
   // What is stored by point id is far apart.
   constexpr std::size_t k_ahead = 16;
   const auto fetch = [&](std::size_t i) {
     if (i >= rays.size() || !first[i]) return;
-    __builtin_prefetch(octree_.view().surfaces + first[i]->point_id);
+    __builtin_prefetch(surfaces_.view().layers.surfaces + first[i]->point_id);
     if (!colors_.deep().empty()) __builtin_prefetch(colors_.deep().data() + first[i]->point_id);
     if (!colors_.shallow().empty()) __builtin_prefetch(colors_.shallow().data() + first[i]->point_id);
   };
@@ -172,7 +170,7 @@ void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> 
 
 void DiscCloud::blocked(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
                         std::span<std::uint8_t> answers) const {
-  occluded(octree_, rays, query_of(origins), answers);
+  occluded(surfaces_, rays, query_of(origins), answers);
 }
 
 /// A hit at the rim of a sheet, or on a sphere.
@@ -186,17 +184,16 @@ struct DiscCloud::Rim {
 std::optional<DiscCloud::Rim> DiscCloud::rim(const Ray& ray, std::size_t number, const Hit& first,
                                              double before, std::vector<PointSphere>& around) const {
   const double chord = project(ray, first.position).t - first.t;
-  if (!surface_of(octree_.view(), first.point_id).exists)
-    return Rim{number, before + first.t, {}, 2.0 * chord};
+  if (!surfaces_.surface(first.point_id).exists) return Rim{number, before + first.t, {}, 2.0 * chord};
   const DiscHit hit = disc_hit(ray, first, false, around);
   const glm::dvec3 met = ray.origin + first.t * ray.direction, normal = hit.sheet.normal;
-  RayQuery reached = query_;
+  SurfaceQuery reached = query_;
   reached.spacing_factor = k_amid;
   around.clear();
-  find_enclosing(octree_, met, reached, around);
+  find_enclosing(surfaces_, met, reached, around);
   std::vector<glm::dvec3> offsets;
   for (const PointSphere& sphere : around) {
-    const PointSurface surface = surface_at(octree_.view(), sphere.index);
+    const PointSurface surface = surfaces_.surface_at(sphere.index);
     if (surface.exists && is_of_sheet(point_disc(sphere.center, surface, sphere.radius), met, normal))
       offsets.push_back(sphere.center - met);
   }
@@ -206,7 +203,7 @@ std::optional<DiscCloud::Rim> DiscCloud::rim(const Ray& ray, std::size_t number,
 
 HitTrust DiscCloud::trust_amid(const Ray& ray, const Hit& first, std::vector<PointSphere>& around) const {
   constexpr double k_least_share = 0.01;  // of the radius
-  const PointSurface surface = surface_of(octree_.view(), first.point_id);
+  const PointSurface surface = surfaces_.surface(first.point_id);
   if (!surface.exists) return {project(ray, first.position).t - first.t, 1};
   const DiscHit hit = disc_hit(ray, first, false, around);
   const SheetSums sums = blend(ray, hit, around);
@@ -217,13 +214,13 @@ HitTrust DiscCloud::trust_amid(const Ray& ray, const Hit& first, std::vector<Poi
 }
 
 void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) const {
-  RayQuery wide = query_;
-  wide.discs.edge_shift += k_shift;
-  wide.discs.lone_factor *= k_larger;
+  SurfaceQuery wide = query_;
+  wide.discs->edge_shift += k_shift;
+  wide.discs->lone_factor *= k_larger;
   wide.spacing_factor *= k_wider;
   std::vector<std::optional<Hit>> first(rays.size()), earlier(rays.size());
-  alidade::closest(octree_, rays, query_, first);
-  alidade::closest(octree_, rays, wide, earlier);
+  alidade::closest(surfaces_, rays, query_, first);
+  alidade::closest(surfaces_, rays, wide, earlier);
   std::vector<PointSphere> around;
   std::vector<Rim> rims;
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -243,7 +240,7 @@ void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) co
       sheets.push_back(at.sheet);
     }
     std::vector<std::optional<Hit>> behind(on.size());
-    alidade::closest(octree_, on, query_of(sheets), behind);
+    alidade::closest(surfaces_, on, query_of(sheets), behind);
     std::vector<Rim> next;
     for (std::size_t i = 0; i < rims.size(); ++i) {
       const std::size_t number = rims[i].number;

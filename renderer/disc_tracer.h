@@ -7,13 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "octree/enclosing_spheres.h"
 #include "octree/query.h"
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
+#include "surface/surface_cloud.h"
 
-// What rays meet where points are discs of their sheets: Measure::crossing (octree/query.h) defines where,
-// and the first crossing is the least t; of equal ones the lowest point id.
+// What rays meet where points are discs of their sheets: DiscQuery (surface/surface_cloud.h) defines where.
 //
 // Blended: the discs that count beside the first one are those of points within whose radius the first
 // crossing lies, if they belong to its sheet: their normal deviates by at most 32 degrees, and their plane
@@ -46,7 +45,7 @@ struct HitTrust {
   std::uint32_t support = 0;  ///< points that the surface there is made of
 };
 
-/// The cloud of a scene as discs. Keeps references to the cloud, which must outlive it and have surfaces.
+/// The cloud of a scene as discs. Keeps references to the cloud, which must outlive it and have discs.
 /// Safe to use from many threads.
 class DiscCloud {
  public:
@@ -67,7 +66,7 @@ class DiscCloud {
   struct SheetSums;
 
   /// For rays that begin there.
-  RayQuery query_of(std::span<const SheetOrigin> origins) const;
+  SurfaceQuery query_of(std::span<const SheetOrigin> origins) const;
   DiscHit disc_hit(const Ray& ray, const Hit& first, bool blends, std::vector<PointSphere>& around) const;
   /// Over the discs of the sheet around a hit on one of them. around: room.
   SheetSums blend(const Ray& ray, const DiscHit& hit, std::vector<PointSphere>& around) const;
@@ -78,8 +77,8 @@ class DiscCloud {
                          std::vector<PointSphere>& around) const;
   Color16 color_of(std::uint64_t point_id) const { return colors_.empty() ? Color16(0) : colors_[point_id]; }
 
-  const Octree octree_;
-  const RayQuery query_;
+  const SurfaceCloud surfaces_;
+  const SurfaceQuery query_;
   const ColorColumn colors_;
   const bool blends_;
 };

@@ -109,7 +109,7 @@ Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, cons
     add("number of points", std::to_string(cloud->octree.size()));
     add("radius", fmt::format("{:.17g}", cloud->radius));
     add("radius factor", fmt::format("{:.17g}", cloud->spacing_factor));
-    add("neighbours for radii", std::to_string(cloud->octree.view().spacing_neighbours));
+    add("neighbours for radii", std::to_string(cloud->octree.layers().spacing_neighbours));
   }
   add("cloud settings", scene.cloud ? text_of(*scene.cloud) : "none");
   if (cloud != nullptr) {

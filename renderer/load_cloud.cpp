@@ -18,10 +18,10 @@
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
 #include "octree/index_file/index_header.h"
-#include "octree/point_disc.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
+#include "surface/point_disc.h"
 
 namespace alidade::renderer {
 namespace {
@@ -105,7 +105,8 @@ void choose_disc_radius(const CloudSettings& settings, LoadedCloud& cloud, const
   cloud.lone_radius = automatic_radius(cloud.octree);
   cloud.radius = adapted.max.value_or(k_widest_over_automatic * cloud.lone_radius);
   check_positive(cloud.radius, "largest radius of points");
-  cloud.octree = with_surfaces_on_demand(with_spacings(cloud.octree, k_surface_neighbours, progress));
+  cloud.octree = with_spacings(cloud.octree, k_surface_neighbours, progress);
+  cloud.surfaces = SurfaceCloud::of_discs(cloud.octree);
 }
 
 }  // namespace
@@ -125,6 +126,7 @@ void check_shape(const CloudSettings& settings) {
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
   check_shape(settings);
   cloud.spacing_factor = cloud.lone_radius = 0.0;
+  cloud.surfaces = {};
   if (settings.shape != PointShape::sphere) return choose_disc_radius(settings, cloud, progress);
   const std::optional<AdaptedRadius>& adapted = settings.adapted_radius;
   const std::optional<double> given = adapted ? adapted->max : settings.radius;
@@ -138,6 +140,7 @@ void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Prog
   check_positive(cloud.spacing_factor, "factor between spacings and radii");
   if (!given) cloud.radius *= k_widest_over_automatic;
   cloud.octree = with_spacings(cloud.octree, adapted->neighbours, progress);
+  cloud.surfaces = SurfaceCloud::of_spheres(cloud.octree);
 }
 
 std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& position,
@@ -148,16 +151,14 @@ std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::d
     if (around.empty()) return std::nullopt;
     return SphereAround{around.front().point_id, cloud.radius, around.front().distance};
   }
-  // Every line through the position enters the spheres that the position lies in.
-  const Ray line = make_ray(position, {0.0, 0.0, 1.0}, -cloud.radius, cloud.radius);
+  std::vector<PointSphere> spheres;
+  find_enclosing(cloud.surfaces, position, {.radius = cloud.radius, .spacing_factor = cloud.spacing_factor},
+                 spheres);
   std::optional<SphereAround> nearest;
-  const RayQuery query{
-      .radius = cloud.radius, .spacing_factor = cloud.spacing_factor, .max_level = max_level};
-  for (const Hit& hit : find(cloud.octree, line, query)) {
-    const SphereAround sphere{hit.point_id, sphere_radius(query, hit),
-                              std::sqrt(hit.t * hit.t + hit.distance * hit.distance)};
-    if (sphere.distance <= sphere.radius && (!nearest || sphere.distance < nearest->distance))
-      nearest = sphere;
+  for (const PointSphere& sphere : spheres) {
+    const double away = distance(position, sphere.center);
+    if (!nearest || away < nearest->distance)
+      nearest = {point_id(cloud.octree.view(), sphere.index), sphere.radius, away};
   }
   return nearest;
 }

@@ -14,6 +14,7 @@
 #include "image/point_values.h"
 #include "octree/octree.h"
 #include "renderer/scene.h"
+#include "surface/surface_cloud.h"
 
 namespace alidade::renderer {
 
@@ -23,8 +24,9 @@ struct LoadedCloud {
   std::vector<Color16> colors;  ///< display-referred, one per point id; none for normals
   ColorColumn mapped_colors{};  ///< the colours instead, in an index file's map that octree keeps
   double radius = 0.0;          ///< metres, the one used; the greatest one where each point has its own
-  double spacing_factor = 0.0;  ///< above 0: each point has its own, see RayQuery::spacing_factor
+  double spacing_factor = 0.0;  ///< above 0: each point has its own, see SurfaceQuery
   double lone_radius = 0.0;     ///< of discs: spheres of points without a sheet are no wider, metres
+  SurfaceCloud surfaces;        ///< of points with radii of their own, otherwise empty
   image::ColorKey color;        ///< what the colours show
   Crs crs;
   std::vector<ScannerPosition> scanner_positions;
@@ -79,11 +81,10 @@ void color_cloud(LoadedCloud& loaded, const image::PointColoring& coloring, cons
 /// 8th.
 void check_shape(const CloudSettings& settings);
 
-/// Chooses the radii of a cloud's points by its settings: fills radius, spacing_factor and lone_radius,
-/// and measures the spacings if radii adapt to the density and the octree has none for so many neighbours;
-/// for discs it makes the octree fit surfaces where rays meet them. `progress` is in points measured. Errors:
-/// as check_shape(); a radius, factor or number of neighbours out of range; adapted radii of only some
-/// levels.
+/// Chooses the radii of a cloud's points by its settings: fills radius, spacing_factor, lone_radius and
+/// surfaces, and measures the spacings if radii adapt to the density and the octree has none for so many
+/// neighbours; surfaces of discs are fitted where rays meet them. `progress` is in points measured. Errors: as
+/// check_shape(); a radius, factor or number of neighbours out of range; adapted radii of only some levels.
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress = {});
 
 /// A point in whose sphere a position lies.

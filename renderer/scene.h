@@ -43,7 +43,7 @@ enum class NormalMode {
 /// What a point is to a ray.
 enum class PointShape {
   sphere,  ///< the sphere around it: the paper's way
-  disc,    ///< the disc of its sheet (octree/point_disc.h), or a small sphere where it has no sheet
+  disc,    ///< the disc of its sheet (surface/point_disc.h), or a small sphere where it has no sheet
   blend,   ///< a disc, with position, normal and colour blended over the discs of one sheet
 };
 

@@ -14,9 +14,9 @@
 #include "base/error.h"
 #include "base/words.h"
 #include "camera/camera_json.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "renderer/sun_forms.h"
+#include "surface/point_surface.h"
 
 namespace alidade::renderer {
 namespace {

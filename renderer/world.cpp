@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 
 #include "base/color.h"
-#include "octree/packed_surface.h"
 #include "octree/spacing.h"
+#include "surface/packed_surface.h"
 
 namespace alidade::renderer {
 namespace {
@@ -146,13 +146,19 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
       .shows_normals = cloud->color.by == image::PointColor::normal,
       .query = {.radius = cloud->radius,
                 .measure = settings.hits == HitMode::entry ? Measure::entry : Measure::t,
-                .spacing_factor = cloud->spacing_factor,
                 .entry_min = smallest_entry(cloud->octree.bounds(), cloud->radius),
                 .max_level = settings.max_level < k_max_level ? settings.max_level : k_all_levels},
+      .surfaces = &cloud->surfaces,
       .material = settings.material,
   };
+  if (cloud->spacing_factor > 0.0) {
+    cloud_->own_radii = SurfaceQuery{.radius = cloud->radius,
+                                     .spacing_factor = cloud->spacing_factor,
+                                     .measure = cloud_->query.measure,
+                                     .entry_min = cloud_->query.entry_min};
+  }
   // The cloud of a preview has no surfaces yet.
-  if (settings.shape != PointShape::sphere && cloud->octree.view().surfaces != nullptr) {
+  if (settings.shape != PointShape::sphere && cloud->surfaces.has_discs()) {
     discs_.emplace(*cloud, settings.shape == PointShape::blend);
   } else if (settings.normals == NormalMode::smooth &&
              !std::holds_alternative<Dielectric>(settings.material)) {
@@ -218,8 +224,12 @@ Ray World::interval(const Ray& ray, double t) const {
 
 void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
                          std::span<std::optional<Intersection>> met) const {
+  const std::optional<SurfaceQuery>& own_radii = cloud_->own_radii;
   std::vector<std::optional<Hit>> hits(rays.size());
-  closest(*cloud_->octree, rays, cloud_->query, hits);
+  if (own_radii)
+    closest(*cloud_->surfaces, rays, *own_radii, hits);
+  else
+    closest(*cloud_->octree, rays, cloud_->query, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const std::optional<Hit>& hit = hits[i];
     std::optional<Intersection>& best = met[numbers[i]];
@@ -228,8 +238,7 @@ void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t>
             .on_cloud = true,
             .index = hit->point_id,
             .center = hit->position,
-            .radius = cloud_->query.spacing_factor > 0.0 ? sphere_radius(cloud_->query, *hit)
-                                                         : cloud_->query.radius};
+            .radius = own_radii ? sphere_radius(*own_radii, *hit) : cloud_->query.radius};
   }
 }
 
@@ -292,6 +301,8 @@ void World::blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
   std::vector<std::uint8_t> occlusions(asked.size());
   if (discs_)
     discs_->blocked(asked, sheets, occlusions);
+  else if (cloud_->own_radii)
+    occluded(*cloud_->surfaces, asked, *cloud_->own_radii, occlusions);
   else
     occluded(*cloud_->octree, asked, cloud_->query, occlusions);
   for (std::size_t a = 0; a < asked.size(); ++a) answers[numbers[a]] = occlusions[a];

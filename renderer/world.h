@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "octree/local_plane.h"
 #include "octree/octree.h"
 #include "octree/query.h"
 #include "renderer/disc_tracer.h"
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
+#include "surface/local_plane.h"
 
 namespace alidade::renderer {
 
@@ -43,7 +43,9 @@ struct CloudGeometry {
   const Octree* octree = nullptr;
   ColorColumn colors;
   bool shows_normals = false;  ///< the colour of a surface is the way it faces, not that of its point
-  RayQuery query;  ///< radius or radii, measure, and an entry_min above the rounding of coordinates
+  RayQuery query;              ///< its entry_min is above the rounding of coordinates
+  const SurfaceCloud* surfaces = nullptr;
+  std::optional<SurfaceQuery> own_radii;  ///< in place of `query`, of points with radii of their own
   Material material;
 };
 

@@ -142,19 +142,19 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
   std::vector<OpenLine> open_lines;
   open_lines.reserve(to - from);
   for (std::size_t line = from; line < to; ++line) open_lines.emplace_back(occluders, lines, line);
-  RayQuery query = query_of(occluders);
-  const CandidateFilter collect = [&](const Candidate& candidate) {
+  CandidateFilter filter;
+  const auto collect = [&](const Candidate& candidate) {
     return open_lines[candidate.query_index].collect(candidate);
   };
   if (occluders.options().counts) {
-    query.filter = collect;
-    query.position_filter = [&](const Candidate& candidate) {
+    filter.of_point = collect;
+    filter.of_position = [&](const Candidate& candidate) {
       return open_lines[candidate.query_index].concerns(candidate);
     };
   } else {
     // Of points at one position the first in the order comes first, and the others
     // are not separate crossings.
-    query.position_filter = collect;
+    filter.of_position = collect;
   }
   std::vector<Ray> rays;
   std::vector<std::optional<Hit>> ends;
@@ -170,7 +170,10 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
     rays.clear();
     for (const OpenLine& line : open_lines) rays.push_back(line.ray());
     ends.resize(rays.size());
-    closest(occluders.octree(), rays, query, ends);
+    with_query(occluders, [&](const auto& cloud, auto query) {
+      query.filter = filter;
+      closest(cloud, rays, query, ends);
+    });
     for (OpenLine& line : open_lines) line.advance();
   }
 }

@@ -7,9 +7,9 @@
 #include <span>
 
 #include "base/ray.h"
-#include "octree/packed_surface.h"
-#include "octree/point_disc.h"
 #include "octree/query.h"
+#include "surface/packed_surface.h"
+#include "surface/point_disc.h"
 #include "visibility/sight_line.h"
 
 // How one point blocks one line: the filter of the ray queries that answer sight lines, and of brute force.
@@ -60,9 +60,8 @@ inline bool is_within(const SightEnd& end, const glm::dvec3& point, double radiu
   return glm::dot(offset, offset) <= radius * radius;
 }
 
-/// Whether points are discs with radii of their own, among spheres. If so, the octree finds the
-/// crossings (Measure::crossing). Otherwise it finds points near the line (Measure::t), and
-/// crossing() tests their discs.
+/// Whether points are discs with radii of their own, among spheres. If so, the query finds the crossings.
+/// Otherwise it finds points near the line (Measure::t), and crossing() tests their discs.
 inline bool has_own_discs(const Occluders& occluders) {
   return occluders.has_surfaces() && !occluders.options().radius;
 }
@@ -98,17 +97,18 @@ inline double width_of(const Occluders& occluders, const Candidate& candidate) {
   return is_disc ? disc_of(occluders, candidate.radius) : sphere_of(occluders, candidate.radius);
 }
 
-/// The query for the candidates along ray_of(), without a filter.
-inline RayQuery query_of(const Occluders& occluders) {
-  RayQuery query{.radius = occluders.largest_radius(), .measure = Measure::t};
-  if (occluders.options().radius) return query;
-  query.spacing_factor = k_sphere_share;
-  if (!has_own_discs(occluders)) return query;
-  query.measure = Measure::crossing;
-  query.spacing_factor = k_disc_spacings;
-  query.discs.lone_factor = k_lone_share;
-  query.discs.lone_radius = widest_sphere(occluders);
-  return query;
+/// Calls use(cloud, query) with the query, without a filter, for the candidates along ray_of().
+template <class Use>
+auto with_query(const Occluders& occluders, const Use& use) {
+  const double radius = occluders.largest_radius();
+  if (occluders.options().radius)
+    return use(occluders.octree(), RayQuery{.radius = radius, .measure = Measure::t});
+  SurfaceQuery query{.radius = radius, .spacing_factor = k_sphere_share, .measure = Measure::t};
+  if (has_own_discs(occluders)) {
+    query.spacing_factor = k_disc_spacings;
+    query.discs = DiscQuery{.lone_factor = k_lone_share, .lone_radius = widest_sphere(occluders)};
+  }
+  return use(occluders.surfaces(), query);
 }
 
 /// The ray whose candidates hold every point that can block.
@@ -150,7 +150,7 @@ inline std::optional<double> disc_crossing(const SightLine& line, const PointDis
 
 /// Where a point blocks a line, metres from the line's start, whether or not OccluderOptions::counts
 /// admits it; empty if it does not block. All points of one position have the same answer. Requires a
-/// candidate of query_of() and ray_of().
+/// candidate of with_query() and ray_of().
 inline std::optional<double> position_crossing(const Occluders& occluders, const SightLine& line,
                                                const Candidate& candidate) {
   const OccluderOptions& options = occluders.options();
@@ -176,6 +176,12 @@ inline std::optional<double> position_crossing(const Occluders& occluders, const
 
 inline bool is_counted(const Occluders& occluders, std::uint64_t point_id) {
   return !occluders.options().counts || occluders.options().counts(point_id);
+}
+
+/// The filter that admits these; empty if all are.
+inline CandidateFilter::Function counted_alone(const Occluders& occluders) {
+  if (!occluders.options().counts) return {};
+  return [&occluders](const Candidate& point) { return occluders.options().counts(point.point_id); };
 }
 
 /// As position_crossing(); empty for points that OccluderOptions::counts does not admit.

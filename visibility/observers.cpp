@@ -146,18 +146,21 @@ std::optional<double> first_along(const Occluders& occluders, const SightLine& l
   const auto take = [&first](const auto& hit) {
     if (hit) first = std::min(first, std::max(hit->t, 0.0));
   };
-  RayQuery blocking = query_of(occluders);
-  if (options.counts)
-    blocking.filter = [&](const Candidate& point) { return is_counted(occluders, point.point_id); };
-  blocking.position_filter = [&](const Candidate& candidate) {
-    return position_crossing(occluders, line, candidate).has_value();
-  };
-  take(closest(occluders.octree(), ray_of(occluders, line), blocking));
+  with_query(occluders, [&](const auto& cloud, auto query) {
+    query.filter.of_point = counted_alone(occluders);
+    query.filter.of_position = [&](const Candidate& candidate) {
+      return position_crossing(occluders, line, candidate).has_value();
+    };
+    take(closest(cloud, ray_of(occluders, line), query));
+  });
   // Points beside the start are not above it.
   const double beside = occluders.typical_radius();
   if (options.shape != OccluderShape::disc && beside < line.length) {
-    RayQuery lone{.radius = beside, .measure = Measure::t, .filter = blocking.filter};
-    lone.position_filter = [&](const Candidate& point) { return !occluders.surface(point.point_id).exists; };
+    RayQuery lone{.radius = beside, .measure = Measure::t};
+    lone.filter.of_point = counted_alone(occluders);
+    lone.filter.of_position = [&](const Candidate& point) {
+      return !occluders.surface(point.point_id).exists;
+    };
     take(closest(occluders.octree(), Ray{line.from.position, line.direction, beside, line.length}, lone));
   }
   const Ray ray{line.from.position, line.direction, k_mesh_contact, line.length};

@@ -9,7 +9,7 @@
 
 #include "camera/camera_set.h"
 #include "camera/projection.h"
-#include "octree/point_surface.h"
+#include "surface/point_surface.h"
 
 // Which world points are in the frame of a photo, and at which resolution; what is wrong with cameras that
 // show no point of a cloud.

@@ -32,7 +32,8 @@ Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const
     octree_ = with_spacings(octree_, k_surface_neighbours, progress);
   }
   if (has_surfaces()) octree_ = with_surfaces(octree_, progress);
-  if (has_own_discs(*this)) octree_ = with_discs(octree_);
+  if (!options.radius)
+    surfaces_ = has_surfaces() ? SurfaceCloud::of_discs(octree_) : SurfaceCloud::of_spheres(octree_);
   if (options.radius) {
     typical_radius_ = largest_radius_ = *options.radius;
   } else {
@@ -164,14 +165,16 @@ std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> 
   return rays;
 }
 
-RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) {
-  RayQuery query = query_of(occluders);
-  query.position_filter = [&occluders, lines](const Candidate& candidate) {
-    return position_crossing(occluders, lines[candidate.query_index], candidate).has_value();
-  };
-  if (occluders.options().counts)
-    query.filter = [&occluders](const Candidate& point) { return is_counted(occluders, point.point_id); };
-  return query;
+/// Calls use(cloud, query) with the query for the points that block the lines of rays_of().
+template <class Use>
+void with_query(const Occluders& occluders, std::span<const SightLine> lines, const Use& use) {
+  with_query(occluders, [&](const auto& cloud, auto query) {
+    query.filter.of_position = [&occluders, lines](const Candidate& candidate) {
+      return position_crossing(occluders, lines[candidate.query_index], candidate).has_value();
+    };
+    query.filter.of_point = counted_alone(occluders);
+    use(cloud, query);
+  });
 }
 
 /// hit: a point that blocks the line.
@@ -203,7 +206,9 @@ void first_points(const Occluders& occluders, std::span<const SightLine> all,
                   std::span<std::optional<Blocker>> all_blockers) {
   in_parts(occluders, all, all_blockers, [&](std::span<const SightLine> lines, auto blockers) {
     std::vector<std::optional<Hit>> hits(lines.size());
-    closest(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), hits);
+    with_query(occluders, lines, [&](const auto& cloud, const auto& query) {
+      closest(cloud, rays_of(occluders, lines), query, hits);
+    });
     in_parallel(lines.size(), k_grain, [&](std::size_t i) {
       blockers[i].reset();
       if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
@@ -322,7 +327,9 @@ void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::
     return;
   }
   in_parts(occluders, lines, answers, [&](std::span<const SightLine> some, auto some_answers) {
-    occluded(occluders.octree(), rays_of(occluders, some), query_of(occluders, some), some_answers);
+    with_query(occluders, some, [&](const auto& cloud, const auto& query) {
+      occluded(cloud, rays_of(occluders, some), query, some_answers);
+    });
   });
   for_surfaces(options, [&](const auto& surface) {
     in_parallel(lines.size(), k_grain, [&](std::size_t i) {

@@ -16,7 +16,8 @@
 #include "geo/terrain_surface.h"
 #include "mesh/triangle_tree.h"
 #include "octree/octree.h"
-#include "octree/point_surface.h"
+#include "surface/point_surface.h"
+#include "surface/surface_cloud.h"
 
 namespace alidade::visibility {
 
@@ -33,10 +34,10 @@ inline double golden_turns(int i) {
 constexpr int k_answers_version = 10;
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
-// (octree/point_surface.h) within a radius of the point. So surfaces keep their thickness, and lines that
+// (surface/point_surface.h) within a radius of the point. So surfaces keep their thickness, and lines that
 // graze flat ground pass over it; spheres would make every surface thicker by their radius. A point without
 // a surface (foliage, wires) is a sphere, which blocks a line that passes it within a radius. Discs that
-// would reach beyond the edge of their sheet (octree/point_surface.h) are cut off there. A mesh beside the
+// would reach beyond the edge of their sheet (surface/point_surface.h) are cut off there. A mesh beside the
 // points, such as a planned building, and a terrain, the bilinear surface of an elevation raster, are opaque
 // from both sides. The cloud may be empty beside them.
 
@@ -84,6 +85,8 @@ class Occluders {
 
   /// With the spacings and surfaces that were measured.
   const Octree& octree() const { return octree_; }
+  /// What lines meet where points have radii of their own; without points otherwise.
+  const SurfaceCloud& surfaces() const { return surfaces_; }
   const OccluderOptions& options() const { return options_; }
   /// Errors: Cancelled, by OccluderOptions::is_given_up.
   void check_given_up() const {
@@ -96,11 +99,12 @@ class Occluders {
   bool has_surfaces() const { return options_.shape != OccluderShape::sphere; }
   /// The surface of a point; none where all are spheres.
   PointSurface surface(std::uint64_t point_id) const {
-    return has_surfaces() ? surface_of(octree_.view(), point_id) : PointSurface{};
+    return has_surfaces() ? surface_of(octree_.layers(), point_id) : PointSurface{};
   }
 
  private:
   Octree octree_;
+  SurfaceCloud surfaces_;
   OccluderOptions options_;
   double typical_radius_ = 0.0, largest_radius_ = 0.0;
 };

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "base/error.h"
-#include "octree/local_plane.h"
-#include "octree/point_disc.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
+#include "surface/local_plane.h"
+#include "surface/point_disc.h"
 
 namespace alidade::visibility {
 namespace {

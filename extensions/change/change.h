@@ -92,7 +92,7 @@ struct Epoch {
 struct ChangeOptions {
   double registration_error = 0.0;  ///< standard deviation of the offset between the clouds, metres, >= 0
   /// Radius of the sphere whose points define the normal, metres, > 0. Empty, and if the sphere has too few
-  /// points for a plane: the surfaces of octree/point_surface.h, 2.5 spacings of the point.
+  /// points for a plane: the surfaces of surface/point_surface.h, 2.5 spacings of the point.
   std::optional<double> normal_radius{};
   /// Radius of the cylinder, metres, > 0. Empty: twice the spacing (to the 8th neighbour) of the point or, if
   /// it is more, of the nearest point of the other epoch.

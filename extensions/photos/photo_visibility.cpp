@@ -13,6 +13,7 @@
 #include "extensions/photos/footprint.h"
 #include "extensions/photos/point_colors.h"
 #include "geo/raster.h"
+#include "octree/spacing.h"
 #include "visibility/photo_frame.h"
 #include "visibility/point_blocks.h"
 #include "visibility/points/point_visibility.h"
@@ -36,10 +37,10 @@ double median_spacing(const Octree& octree) {
   constexpr std::uint64_t k_enough = 1 << 17, k_neighbours = 8;
   const TreeView& tree = octree.view();
   std::vector<float> spacings;
-  if (tree.spacings != nullptr) {
+  if (octree.layers().spacings != nullptr) {
     const std::uint64_t step = tree.point_count / k_enough + 1;
     for (std::uint64_t i = 0; i < tree.point_count; i += step)
-      spacings.push_back(static_cast<float>(spacing_at(tree, static_cast<std::uint32_t>(i))));
+      spacings.push_back(static_cast<float>(spacing_at(octree.layers(), static_cast<std::uint32_t>(i))));
   }
   if (const double median = median_of(spacings); median > 0.0 && std::isfinite(median)) return median;
   const glm::dvec3 size = octree.bounds().max - octree.bounds().min;

@@ -26,7 +26,7 @@
 #include "jobs/load_cloud.h"
 #include "jobs/outputs.h"
 #include "jobs/write_points.h"
-#include "octree/point_surface.h"
+#include "surface/point_surface.h"
 
 namespace alidade::jobs {
 namespace {
@@ -113,7 +113,7 @@ void measure_normals(const Octree& built, const PointColumns& points,
                      Listener& listener) {
   const Octree octree = with_surfaces(with_spacings(built, k_surface_neighbours, listener), listener);
   const auto measure = [&](std::size_t row) {
-    const PointSurface surface = surface_of(octree.view(), row);
+    const PointSurface surface = surface_of(octree.layers(), row);
     normals[row] = glm::vec3(0.0f);
     if (!surface.exists) return;
     const glm::dvec3 position = points.world(row);

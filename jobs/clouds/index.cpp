@@ -19,8 +19,8 @@
 #include "jobs/cloud_fields.h"
 #include "jobs/outputs.h"
 #include "octree/index_file/save_index.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "surface/point_surface.h"
 
 namespace alidade::jobs {
 namespace {

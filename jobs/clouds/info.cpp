@@ -83,8 +83,8 @@ IndexFacts index_facts(const IndexFile& index) {
           .levels = static_cast<std::uint32_t>(header.tree.level_count),
           .nodes = header.tree.node_count,
           .is_in_stored_order = points > 0 && header.find(IndexSection::ids) == nullptr,
-          .spacing_neighbours = header.tree.spacing_neighbours,
-          .has_surfaces = header.tree.surface_unit > 0.0};
+          .spacing_neighbours = header.layers.spacing_neighbours,
+          .has_surfaces = header.layers.surface_unit > 0.0};
 }
 
 /// Levels, nodes and spacing of the octree of a COPC file, or what is wrong with it.

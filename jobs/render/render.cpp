@@ -283,7 +283,7 @@ class Rendering {
     if (cloud_->spacing_factor > 0.0) {
       metadata.further.emplace_back("alidade:radius_factor", fmt::format("{:.17g}", cloud_->spacing_factor));
       metadata.further.emplace_back("alidade:radius_neighbours",
-                                    std::to_string(cloud_->octree.view().spacing_neighbours));
+                                    std::to_string(cloud_->octree.layers().spacing_neighbours));
     }
     for (const auto& text : image::color_metadata(cloud_->color)) metadata.further.push_back(text);
     return metadata;

@@ -13,11 +13,11 @@
 #include "jobs/load_cloud.h"
 #include "jobs/mesh_files.h"
 #include "jobs/render/site_surfaces.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
 #include "renderer/scene_forms.h"
 #include "simulation/courtyard.h"
+#include "surface/point_surface.h"
 
 namespace alidade::jobs {
 namespace {

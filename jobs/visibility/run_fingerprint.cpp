@@ -39,9 +39,10 @@ std::string points_checksum(const IndexedCloud& cloud) {
   const auto append = [&](const auto* values) {
     if (values != nullptr) sums.push_back(checksum(std::as_bytes(std::span(values, tree.point_count))));
   };
-  append(tree.spacings);
-  append(tree.surfaces);
-  append(tree.sheet_edges);
+  const PointLayers& layers = cloud.octree.layers();
+  append(layers.spacings);
+  append(layers.surfaces);
+  append(layers.sheet_edges);
   return sum_text(sums);
 }
 

@@ -12,7 +12,7 @@
 #include "jobs/large_clouds.h"
 #include "jobs/load_cloud.h"
 #include "jobs/mesh_files.h"
-#include "octree/point_surface.h"
+#include "surface/point_surface.h"
 
 namespace alidade::jobs {
 namespace {
@@ -112,9 +112,9 @@ Octree measured(Octree octree, const visibility::OccluderOptions& options, Liste
   if (octree.size() == 0) return octree;
   const bool needs_surfaces = options.shape != visibility::OccluderShape::sphere;
   const bool needs_spacings = needs_surfaces || !options.radius;
-  if (needs_spacings && octree.view().spacing_neighbours != k_surface_neighbours)
+  if (needs_spacings && octree.layers().spacing_neighbours != k_surface_neighbours)
     octree = with_spacings(octree, k_surface_neighbours, listener);
-  if (needs_surfaces && octree.view().surfaces == nullptr) octree = with_surfaces(octree, listener);
+  if (needs_surfaces && octree.layers().surfaces == nullptr) octree = with_surfaces(octree, listener);
   return octree;
 }
 

@@ -131,8 +131,9 @@ struct IdRange {
 
 class PointCheck {
  public:
-  explicit PointCheck(const TreeView& tree)
+  PointCheck(const TreeView& tree, const PointLayers& layers)
       : tree_(tree),
+        layers_(layers),
         frames_(tree.node_count),
         indices_(tree.point_count),
         ids_(tree.ids ? tree.point_count : 0) {
@@ -196,7 +197,7 @@ class PointCheck {
       const SlotBox before = slot_box(tree_, frame, slot - 1), box = slot_box(tree_, frame, slot);
       if (!is_one_position(before) || !is_one_position(box) || before.low != box.low) continue;
       const std::uint64_t highest = ids_below(frame, slot - 1).high, lowest = ids_below(frame, slot).low;
-      if (tree_.spacings && slot_spacing(frame, slot - 1) != slot_spacing(frame, slot)) {
+      if (layers_.spacings && slot_spacing(frame, slot - 1) != slot_spacing(frame, slot)) {
         first_.add(frame.node, {Array::slot_spacings,
                                 std::uint64_t{k_node_width} * frame.node + static_cast<unsigned>(slot),
                                 "slots with equal positions have different spacings"});
@@ -237,16 +238,16 @@ class PointCheck {
   }
 
   std::uint16_t slot_spacing(const Frame& frame, int slot) const {
-    return slot_spacings(tree_, frame.node)[slot];
+    return layers_.slot_spacings[std::size_t{k_node_width} * frame.node + static_cast<unsigned>(slot)];
   }
 
   void check_spacings(const Frame& frame, const SlotBox& box, const Leaf& leaf) {
     constexpr std::uint16_t k_infinite = 0x7f80;
     const bool is_one_position = frame.level == k_min_frame_level && box.low == box.high;
     for (std::uint32_t index = leaf.first; index < leaf.first + leaf.count; ++index) {
-      if (tree_.spacings[index] == 0 || tree_.spacings[index] > k_infinite)
+      if (layers_.spacings[index] == 0 || layers_.spacings[index] > k_infinite)
         first_.add(frame.node, {Array::spacings, index, "the spacing is not positive"});
-      if (is_one_position && tree_.spacings[index] != tree_.spacings[leaf.first])
+      if (is_one_position && layers_.spacings[index] != layers_.spacings[leaf.first])
         first_.add(frame.node,
                    {Array::spacings, index, "points with equal positions have different spacings"});
     }
@@ -255,7 +256,7 @@ class PointCheck {
   void check_leaf(const Frame& frame, int slot, LatticeExtent& extent) {
     const SlotBox box = slot_box(tree_, frame, slot);
     const Leaf leaf = child_leaf(tree_, frame, slot);
-    if (tree_.spacings) check_spacings(frame, box, leaf);
+    if (layers_.spacings) check_spacings(frame, box, leaf);
     points_seen_.fetch_add(leaf.count, std::memory_order_relaxed);
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const std::uint32_t index = leaf.first + i;
@@ -292,6 +293,7 @@ class PointCheck {
   }
 
   const TreeView& tree_;
+  const PointLayers& layers_;
   std::vector<Frame> frames_;
   int deepest_ = 0;
   Marks indices_, ids_;
@@ -323,21 +325,21 @@ std::optional<TreeFault> find_bad_id(std::span<const std::uint32_t> ids, std::ui
                    fmt::format("id out of range; expected less than {}, found {}", point_count, *bad)};
 }
 
-std::optional<TreeFault> find_misplaced_point(const TreeView& tree) {
+std::optional<TreeFault> find_misplaced_point(const TreeView& tree, const PointLayers& layers) {
   if (tree.node_count == 0) return std::nullopt;
-  return PointCheck(tree).run();
+  return PointCheck(tree, layers).run();
 }
 
-std::optional<TreeFault> find_bad_slot_spacing(const TreeView& tree) {
+std::optional<TreeFault> find_bad_slot_spacing(const TreeView& tree, const PointLayers& layers) {
   for (std::uint32_t index = 0; index < tree.node_count; ++index) {
-    const auto greatest = greatest_spacings(tree, tree.slot_spacings, index);
+    const auto greatest = greatest_spacings(tree, layers, index);
     for (int slot = 0; slot < k_node_width; ++slot) {
       const std::uint64_t at = std::uint64_t{k_node_width} * index + static_cast<unsigned>(slot);
-      if (tree.slot_spacings[at] == greatest[slot]) continue;
+      if (layers.slot_spacings[at] == greatest[slot]) continue;
       return TreeFault{
           Array::slot_spacings, at,
           fmt::format("wrong largest spacing of slot {} of node {}; expected {:.9g}, found {:.9g}", slot,
-                      index, spacing_of(greatest[slot]), spacing_of(tree.slot_spacings[at]))};
+                      index, spacing_of(greatest[slot]), spacing_of(layers.slot_spacings[at]))};
     }
   }
   return std::nullopt;

@@ -36,10 +36,10 @@ std::optional<TreeFault> find_bad_id(std::span<const std::uint32_t> ids, std::ui
 /// equal for all points of a slot of one position. Requires that find_broken_link() and find_bad_id() find
 /// nothing. Cost: one pass over all arrays, one more over points of one position for each level they take; in
 /// parallel; 12 B per node and 1/4 B per point.
-std::optional<TreeFault> find_misplaced_point(const TreeView& tree);
+std::optional<TreeFault> find_misplaced_point(const TreeView& tree, const PointLayers& layers);
 
 /// Whether every slot spacing is the greatest of the spacings below. Requires spacings, and that
 /// find_broken_link() finds nothing. Cost: one pass over nodes and spacings.
-std::optional<TreeFault> find_bad_slot_spacing(const TreeView& tree);
+std::optional<TreeFault> find_bad_slot_spacing(const TreeView& tree, const PointLayers& layers);
 
 }  // namespace alidade

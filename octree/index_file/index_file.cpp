@@ -78,11 +78,19 @@ TreeView tree_in(const IndexSections& sections) {
   point_to(tree.coordinates, IndexSection::coordinates);
   point_to(tree.ids, IndexSection::ids);
   point_to(tree.positions, IndexSection::positions);
-  point_to(tree.spacings, IndexSection::spacings);
-  point_to(tree.slot_spacings, IndexSection::slot_spacings);
-  point_to(tree.surfaces, IndexSection::surfaces);
-  point_to(tree.sheet_edges, IndexSection::sheet_edges);
   return tree;
+}
+
+PointLayers layers_in(const IndexSections& sections) {
+  PointLayers layers = sections.header().layers;
+  const auto point_to = [&]<class T>(const T*& values, IndexSection kind) {
+    if (sections.header().find(kind)) values = sections.values<T>(kind).data();
+  };
+  point_to(layers.spacings, IndexSection::spacings);
+  point_to(layers.slot_spacings, IndexSection::slot_spacings);
+  point_to(layers.surfaces, IndexSection::surfaces);
+  point_to(layers.sheet_edges, IndexSection::sheet_edges);
+  return layers;
 }
 
 /// Throws the Error about what was found wrong, if anything.
@@ -270,6 +278,7 @@ struct IndexFile::State {
       sections.map(progress);
       columns = columns_in(sections, metadata.cloud);
       tree = tree_in(sections);
+      layers = layers_in(sections);
     });
     return is_fetched;
   }
@@ -281,6 +290,7 @@ struct IndexFile::State {
   /// fifth faster; and what was checked cannot change any more.
   HugeArray<Node> nodes;
   TreeView tree;  ///< without nodes until they are checked
+  PointLayers layers;
   std::once_flag is_mapped;
   std::mutex checking;
   bool tree_is_checked = false;
@@ -342,14 +352,20 @@ const TreeView& IndexFile::tree(const Progress& progress) const {
   return state_->tree;
 }
 
+Octree IndexFile::octree(const Progress& progress) const {
+  const TreeView& tree = this->tree(progress);
+  return Octree(tree, state_, usable(InstructionSet::best)).with_layers(state_->layers).with_mapped(true);
+}
+
 void IndexFile::verify(const Progress& progress) const {
   const IndexSections& sections = state_->sections;
   state_->map(progress);
   for (const SectionEntry& section : header().sections)
     sections.check(section.kind, part_of(progress, section.offset, header().file_bytes));
   sections.check_gaps();
-  require_none(sections, find_misplaced_point(tree()));
-  if (tree().spacings) require_none(sections, find_bad_slot_spacing(tree()));
+  const PointLayers& layers = state_->layers;
+  require_none(sections, find_misplaced_point(tree(), layers));
+  if (layers.spacings) require_none(sections, find_bad_slot_spacing(tree(), layers));
   report(progress, header().file_bytes, header().file_bytes);
 }
 

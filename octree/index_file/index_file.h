@@ -65,10 +65,8 @@ class IndexFile {
   /// The tree in the map. The first call checks nodes and ids, see above; later ones are free. `progress` is
   /// in bytes checked. Errors: a wrong checksum or link; they name section and byte.
   const TreeView& tree(const Progress& progress = {}) const;
-  /// tree() as an octree, which keeps the map alive.
-  Octree octree(const Progress& progress = {}) const {
-    return Octree(tree(progress), storage(), usable(InstructionSet::best)).with_mapped(true);
-  }
+  /// tree() as an octree with the layers of the file, which keeps the map alive.
+  Octree octree(const Progress& progress = {}) const;
   /// What keeps the map alive.
   std::shared_ptr<const void> storage() const;
 

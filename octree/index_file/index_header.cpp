@@ -119,6 +119,20 @@ void read_bounds(const HeaderFields& page, TreeView& tree) {
   if (tree.point_count == 0) tree.bounds = {};
 }
 
+PointLayers read_layers(const HeaderFields& page) {
+  PointLayers layers;
+  const auto neighbours = page.get<std::uint32_t>(204);
+  page.require(neighbours <= k_most_spacing_neighbours, 204, "invalid number of neighbours for spacings",
+               fmt::format("at most {}", k_most_spacing_neighbours), neighbours);
+  layers.spacing_neighbours = static_cast<int>(neighbours);
+  layers.surface_unit = page.get<double>(208);
+  page.require(std::isfinite(layers.surface_unit) && layers.surface_unit >= 0.0 &&
+                   (layers.surface_unit == 0.0 || neighbours > 0),
+               208, "invalid length unit of surfaces",
+               neighbours > 0 ? "0 or a length" : "0 without spacings", layers.surface_unit);
+  return layers;
+}
+
 TreeView read_tree(const HeaderFields& page) {
   TreeView tree;
   const auto points = page.get<std::uint64_t>(40), nodes = page.get<std::uint64_t>(48);
@@ -144,15 +158,6 @@ TreeView read_tree(const HeaderFields& page) {
   tree.first_exact = page.get<std::uint32_t>(132);
   page.require(tree.first_exact <= points, 132, "invalid storage index of the first exact position",
                fmt::format("at most {}", points), tree.first_exact);
-  const auto neighbours = page.get<std::uint32_t>(204);
-  page.require(neighbours <= k_most_spacing_neighbours, 204, "invalid number of neighbours for spacings",
-               fmt::format("at most {}", k_most_spacing_neighbours), neighbours);
-  tree.spacing_neighbours = static_cast<int>(neighbours);
-  tree.surface_unit = page.get<double>(208);
-  page.require(std::isfinite(tree.surface_unit) && tree.surface_unit >= 0.0 &&
-                   (tree.surface_unit == 0.0 || neighbours > 0),
-               208, "invalid length unit of surfaces",
-               neighbours > 0 ? "0 or a length" : "0 without spacings", tree.surface_unit);
   read_lattice(page, tree);
   read_bounds(page, tree);
   return tree;
@@ -227,9 +232,9 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
                  is_said ? section : "none", is_there ? "the section" : "none");
   };
   for (const IndexSection kind : {IndexSection::spacings, IndexSection::slot_spacings})
-    agree(kind, header.tree.spacing_neighbours > 0, "the section");
+    agree(kind, header.layers.spacing_neighbours > 0, "the section");
   for (const IndexSection kind : {IndexSection::surfaces, IndexSection::sheet_edges})
-    agree(kind, header.tree.surface_unit > 0.0, "the section, as 'alidade index --surfaces' writes it");
+    agree(kind, header.layers.surface_unit > 0.0, "the section, as 'alidade index --surfaces' writes it");
   agree(column_section(Attribute::color),
         header.color_factor > 1 || header.find(column_section(Attribute::color)) != nullptr, "the section");
   page.require(header.sections.back().end() == header.file_bytes, 24, "extra bytes after the last section",
@@ -270,6 +275,7 @@ IndexHeader read_index_header(std::span<const std::byte> first_page, std::uint64
   IndexHeader header;
   header.file_bytes = file_bytes;
   header.tree = read_tree(page);
+  header.layers = read_layers(page);
   const auto flags = page.get<std::uint32_t>(68);
   page.require(flags <= k_flag_standard_gps_time, 68, "unknown flags", "0 or 1", flags);
   header.gps_time_is_standard = (flags & k_flag_standard_gps_time) != 0;
@@ -313,8 +319,8 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
   }
   store(at + 184, header.project_id);
   store(at + 200, header.file_source_id);
-  store(at + 204, static_cast<std::uint32_t>(tree.spacing_neighbours));
-  store(at + 208, tree.surface_unit);
+  store(at + 204, static_cast<std::uint32_t>(header.layers.spacing_neighbours));
+  store(at + 208, header.layers.surface_unit);
   store<std::uint16_t>(at + 216, header.color_factor > 1 ? header.color_factor : 0);
   for (std::size_t i = 0; i < header.sections.size(); ++i) {
     const SectionEntry& entry = header.sections[i];

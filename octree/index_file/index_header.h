@@ -64,8 +64,9 @@ struct SectionEntry {
 /// The header, field by field.
 struct IndexHeader {
   std::uint64_t file_bytes = 0;
-  /// The tree without its arrays: those pointers are null.
+  /// Without their arrays: those pointers are null.
   TreeView tree;
+  PointLayers layers;
   bool gps_time_is_standard = false;
   std::array<std::uint8_t, 16> project_id{};
   std::uint16_t file_source_id = 0;

@@ -14,7 +14,6 @@
 #include "base/parallel.h"
 #include "octree/index_file/index_metadata.h"
 #include "octree/index_file/index_sections.h"
-#include "octree/leaf_fitter.h"
 
 namespace alidade {
 namespace {
@@ -160,7 +159,7 @@ std::uint64_t bytes_to_write(const Octree& octree, const PointCloud& cloud, cons
   return bytes;
 }
 
-void write_tree(IndexWriter& writer, const TreeView& tree) {
+void write_tree(IndexWriter& writer, const TreeView& tree, const PointLayers& layers) {
   const std::size_t points = tree.point_count;
   writer.write(IndexSection::nodes, std::span(tree.nodes, tree.node_count));
   writer.begin(IndexSection::coordinates);
@@ -171,15 +170,14 @@ void write_tree(IndexWriter& writer, const TreeView& tree) {
   writer.end();
   if (tree.ids) writer.write(IndexSection::ids, std::span(tree.ids, points));
   if (tree.positions) writer.write(IndexSection::positions, std::span(tree.positions, tree.exact_count()));
-  if (tree.spacings) {
-    writer.write(IndexSection::spacings, std::span(tree.spacings, points + k_coordinate_padding));
+  if (layers.spacings) {
+    writer.write(IndexSection::spacings, std::span(layers.spacings, points + k_coordinate_padding));
     writer.write(IndexSection::slot_spacings,
-                 std::span(tree.slot_spacings, std::size_t{k_node_width} * tree.node_count));
+                 std::span(layers.slot_spacings, std::size_t{k_node_width} * tree.node_count));
   }
-  if (tree.surfaces) {
-    touch_all(tree);
-    writer.write(IndexSection::surfaces, std::span(tree.surfaces, points));
-    writer.write(IndexSection::sheet_edges, std::span(tree.sheet_edges, points));
+  if (layers.surfaces) {
+    writer.write(IndexSection::surfaces, std::span(layers.surfaces, points));
+    writer.write(IndexSection::sheet_edges, std::span(layers.sheet_edges, points));
   }
 }
 
@@ -231,9 +229,10 @@ void save_index(const std::filesystem::path& path, const Octree& octree, const P
   header.color_factor =
       columns.colors.deep().empty() ? columns.colors.factor() : common_factor(columns.colors.deep());
   IndexWriter writer(path, options, bytes_to_write(octree, cloud, columns, header.color_factor > 1));
-  write_tree(writer, octree.view());
+  write_tree(writer, octree.view(), octree.layers());
   write_cloud(writer, cloud, columns, header.color_factor);
   header.tree = octree.view();
+  header.layers = octree.layers();
   header.gps_time_is_standard = cloud.gps_time_is_standard;
   header.project_id = cloud.project_id;
   header.file_source_id = cloud.file_source_id;

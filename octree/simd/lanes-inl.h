@@ -7,6 +7,7 @@
 #define ALIDADE_SIMD_LANES_INL_H
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <bit>
@@ -187,39 +188,30 @@ struct LeafCoordinates {
   V scale[3], origin[3];
 };
 
+/// Fetches the cache lines of some values. Always inlined, or else gcc may take it for nothing.
+template <class T>
+HWY_INLINE void fetch_array(const T* values, std::size_t count) {
+  constexpr std::size_t k_in_line = 64 / sizeof(T);
+  for (std::size_t i = 0; i < count; i += k_in_line) hwy::Prefetch(values + i);
+}
+
 /// For the few roundings of float expressions of positive numbers.
 constexpr float k_up = 1.0f + 0x1p-20f, k_down = 1.0f - 0x1p-20f;
 
-/// Radii of points' own (RayQuery::spacing_factor), from their spacings, in float.
-class OwnRadii {
- public:
-  explicit OwnRadii(const RayQuery& query)
-      : factor_(float_above(query.spacing_factor)), greatest_(float_above(query.radius)) {}
-
-  /// From spacings (octree.h) on; above the radii by at most 2^-21 of them.
-  template <class D>
-  HWY_INLINE hn::Vec<D> above(D d, const std::uint16_t* spacings) const {
-    const hn::RebindToUnsigned<D> bits;
-    const auto stored = hn::PromoteTo(bits, hn::LoadU(hn::Rebind<std::uint16_t, D>(), spacings));
-    const auto spacing = hn::BitCast(d, hn::ShiftLeft<16>(stored));
-    return hn::Min(hn::Set(d, greatest_), hn::Mul(hn::Set(d, factor_), spacing));
-  }
-
-  /// What LeafTest::LeafFrame::outer_sq and LeafTest::inner_sq are for the query's radius.
+/// What LeafTest::LeafFrame::outer_sq and LeafTest::inner_sq are for the query's radius, for radii of the
+/// points' own, in floats that are above them by at most 2^-21 of them.
+struct SquaredRadius {
   template <class D, class V>
-  static HWY_INLINE V outer_sq(D d, V above, V error) {
+  static HWY_INLINE V outer(D d, V above, V error) {
     const V outer = hn::Add(above, error);
     return hn::Mul(hn::Mul(outer, outer), hn::Set(d, k_up));
   }
   template <class D, class V>
-  static HWY_INLINE V inner_sq(D d, V above, V error) {
+  static HWY_INLINE V inner(D d, V above, V error) {
     const V inner = hn::Sub(hn::Mul(above, hn::Set(d, k_down)), error);
     const V square = hn::Mul(hn::Mul(inner, inner), hn::Set(d, k_down));
     return hn::IfThenElse(hn::Gt(inner, hn::Zero(d)), square, hn::Set(d, -1.0f));
   }
-
- private:
-  float factor_, greatest_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -179,10 +179,10 @@ HWY_INLINE void for_each_lane(const hn::Mask<RayLanes>& mask, const Visit& visit
 
 /// Tests the points of one leaf against a list of rays, one lane per ray. Lanes decide as those of LeafTest
 /// do; where one point does not stand out, the ray goes to LeafTest.
-template <Measure measure, bool any, Radii radii>
+template <class Points, bool any>
 class LeafGroupTest {
  public:
-  using Single = LeafTest<measure, any, radii>;
+  using Single = LeafTest<Points, any>;
 
   /// The first `count` points of a leaf.
   LeafGroupTest(const QuerySetup& setup, const Single& single, const Leaf& leaf, std::uint32_t count,
@@ -195,12 +195,12 @@ class LeafGroupTest {
         hn::Store(
             hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, frame.scale[axis])), d,
             points_[axis] + i);
-    if constexpr (radii == Radii::own) {
+    if constexpr (Points::own_radii) {
       const auto error = hn::Set(d, float_above(frame.error));
       for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
-        const auto radius = single.own_radii().above(d, setup.tree.spacings + leaf.first + i);
-        hn::Store(OwnRadii::outer_sq(d, radius, error), d, outer_sq_ + i);
-        hn::Store(OwnRadii::inner_sq(d, radius, error), d, inner_sq_ + i);
+        const auto radius = single.points().radii(d, leaf.first + i);
+        hn::Store(SquaredRadius::outer(d, radius, error), d, outer_sq_ + i);
+        hn::Store(SquaredRadius::inner(d, radius, error), d, inner_sq_ + i);
       }
     }
   }
@@ -221,7 +221,7 @@ class LeafGroupTest {
     const auto error = hn::Set(d, float_above(frame_.error));
     const auto low = hn::Sub(group.t_min, error);
     auto high = hn::Add(group.cut, error);
-    if constexpr (measure == Measure::entry)
+    if constexpr (Points::measure == Measure::entry)
       high = hn::Min(hn::Add(high, hn::Add(error, hn::Set(d, single_.radius_above()))),
                      hn::Add(group.t_max, error));
     const auto in_list = lanes_in_list(0, left);
@@ -261,7 +261,7 @@ class LeafGroupTest {
           hn::And(hn::And(near, hn::And(hn::Le(distance_sq, inner_sq), hn::Ge(entry_low, surely_after))),
                   hn::And(hn::Ge(t, surely_low), hn::Le(t, surely_high)));
       auto measure_low = entry_low, measure_high = hn::Add(t, error);
-      if constexpr (measure == Measure::entry) {
+      if constexpr (Points::measure == Measure::entry) {
         measure_high = hn::Sub(measure_high, hn::Sqrt(hn::Max(hn::Sub(inner_sq, distance_sq), zero)));
       } else {
         measure_low = hn::Sub(t, error);
@@ -308,10 +308,10 @@ class LeafGroupTest {
 
   /// Squares of point i's radius: LeafTest::LeafFrame::outer_sq and LeafTest::inner_sq.
   HWY_INLINE RayVector outer_sq(std::uint32_t i) const {
-    return hn::Set(RayLanes(), radii == Radii::own ? outer_sq_[i] : frame_.outer_sq);
+    return hn::Set(RayLanes(), Points::own_radii ? outer_sq_[i] : frame_.outer_sq);
   }
   HWY_INLINE RayVector inner_sq(std::uint32_t i) const {
-    return hn::Set(RayLanes(), radii == Radii::own ? inner_sq_[i] : single_.inner_sq(frame_));
+    return hn::Set(RayLanes(), Points::own_radii ? inner_sq_[i] : single_.inner_sq(frame_));
   }
 
   HWY_NOINLINE void alone(const ActiveRay& ray, float t_near) const {
@@ -323,7 +323,7 @@ class LeafGroupTest {
   const std::uint32_t count_;
   const typename Single::LeafFrame& frame_;
   alignas(64) float points_[3][k_max_leaf_size];
-  alignas(64) float outer_sq_[k_max_leaf_size], inner_sq_[k_max_leaf_size];  ///< only of Radii::own
+  alignas(64) float outer_sq_[k_max_leaf_size], inner_sq_[k_max_leaf_size];  ///< of own_radii
 };
 
 }  // namespace HWY_NAMESPACE

@@ -7,12 +7,8 @@
 #define ALIDADE_SIMD_LEAF_TEST_INL_H
 #endif
 
-#include <hwy/cache_control.h>
-
 #include <optional>
 
-#include "octree/leaf_fitter.h"
-#include "octree/simd/disc_test-inl.h"
 #include "octree/simd/lanes-inl.h"
 #include "octree/simd/ray_state.h"
 
@@ -38,21 +34,20 @@ HWY_INLINE void relative_to(const ActiveRay& ray, double start, const double* co
   }
 }
 
-/// Tests the points of leaves against rays and keeps the best.
+/// Tests the points of leaves against rays and keeps the best. `Points` is their kind (shared_radius-inl.h).
 ///
 /// Lanes compute t and distance of every point within `error` of the truth. That decides for nearly all
 /// points whether they can count (most cannot) or certainly do, and bounds of their measure. Only where
 /// bounds overlap, or the edge of a condition is nearer than `error`, is a point decided in double
 /// (octree/candidate.h). So the answer is the same bits on every machine, at the price of floats.
-template <Measure measure, bool any, Radii radii>
+template <class Points, bool any>
 class LeafTest {
  public:
-  explicit LeafTest(const QuerySetup& setup)
+  LeafTest(const QuerySetup& setup, const Points& points)
       : setup_(setup),
+        points_(points),
         radius_above_(float_above(setup.query.radius)),
-        own_radii_(setup.query),
-        disc_test_(setup),
-        all_in_double_(has_filter(setup.query)) {}
+        all_in_double_(setup.query.filter) {}
 
   /// A frame, as the leaves below it need it.
   struct LeafFrame {
@@ -99,12 +94,8 @@ class LeafTest {
 
   /// Fetches what visit() reads of a leaf.
   HWY_INLINE void fetch(std::uint32_t first, std::uint32_t count) const {
-    fetch(setup_.tree.coordinates + std::size_t{3} * first, std::size_t{3} * count);
-    if constexpr (radii == Radii::own) fetch(setup_.tree.spacings + first, count);
-    if constexpr (measure == Measure::crossing) {
-      fetch(setup_.tree.stored_surfaces + first, count);
-      fetch(setup_.tree.stored_edges + first, count);
-    }
+    fetch_array(setup_.tree.coordinates + std::size_t{3} * first, std::size_t{3} * count);
+    points_.fetch(first, count);
   }
 
   /// The ray's best point as a hit.
@@ -115,7 +106,7 @@ class LeafTest {
 
   /// Whether the query rejects the first position of a leaf, whatever ids the points there have.
   bool rejects_first(const ActiveRay& ray, const Leaf& leaf) const {
-    if constexpr (measure == Measure::crossing) touch(setup_.tree, leaf);
+    points_.touch(leaf);
     return !in_double(ray, position_of(setup_.tree, leaf, 0), leaf.first, Filters::of_position);
   }
 
@@ -161,18 +152,11 @@ class LeafTest {
     }
   }
 
-  const OwnRadii& own_radii() const { return own_radii_; }
-  const DiscTest& disc_test() const { return disc_test_; }
+  const Points& points() const { return points_; }
   bool all_in_double() const { return all_in_double_; }
   float radius_above() const { return radius_above_; }
 
  private:
-  template <class T>
-  static HWY_INLINE void fetch(const T* values, std::size_t count) {
-    constexpr std::size_t k_in_line = 64 / sizeof(T);
-    for (std::size_t i = 0; i < count; i += k_in_line) hwy::Prefetch(values + i);
-  }
-
   template <int vectors>
   HWY_NOINLINE void visit_vectors(const ActiveRay& ray, const Leaf& leaf, std::uint32_t count,
                                   const LeafFrame& frame, float t_near) const {
@@ -185,18 +169,17 @@ class LeafTest {
     constexpr int lanes = hn::MaxLanes(PointLanes());
     const auto error = hn::Set(d, float_above(frame.error));
     hn::Vec<PointLanes> radius[vectors];
-    if constexpr (radii == Radii::own) {
-      for (int i = 0; i < vectors; ++i)
-        radius[i] = own_radii_.above(d, setup_.tree.spacings + leaf.first + i * lanes);
+    if constexpr (Points::own_radii) {
+      for (int i = 0; i < vectors; ++i) radius[i] = points_.radii(d, leaf.first + i * lanes);
     }
     const auto outer_sq_of = [&](int i) {
-      if constexpr (radii == Radii::own) return OwnRadii::outer_sq(d, radius[i], error);
+      if constexpr (Points::own_radii) return SquaredRadius::outer(d, radius[i], error);
       (void)i;
       return hn::Set(d, frame.outer_sq);
     };
     const auto inner_sq_of = [&](int i) {
-      if constexpr (radii == Radii::own) {
-        if (!all_in_double_) return OwnRadii::inner_sq(d, radius[i], error);
+      if constexpr (Points::own_radii) {
+        if (!all_in_double_) return SquaredRadius::inner(d, radius[i], error);
         return hn::Set(d, -1.0f);
       }
       (void)i;
@@ -208,8 +191,9 @@ class LeafTest {
     // in it.
     auto high = hn::Add(hn::Set(d, limits[3]), error);
     const auto reach = hn::Add(hn::Set(d, radius_above_), error);
-    if constexpr (measure == Measure::entry) high = hn::Min(hn::Add(high, reach), hn::Add(t_max, error));
-    if constexpr (measure == Measure::crossing) {
+    if constexpr (Points::measure == Measure::entry)
+      high = hn::Min(hn::Add(high, reach), hn::Add(t_max, error));
+    if constexpr (Points::are_discs) {
       low = hn::Sub(low, reach);
       high = hn::Add(high, reach);
     }
@@ -241,13 +225,16 @@ class LeafTest {
     hn::Vec<PointLanes> lows[vectors], highs[vectors];
     auto first_high = none;
     std::uint32_t crossed = 0;
-    RaysAtDiscs at_discs;
-    if constexpr (measure == Measure::crossing) {
-      touch(setup_.tree, leaf);
-      at_discs = RaysAtDiscs(along, LeftSheet(ray, setup_.query, start, frame.error));
-    }
+    points_.touch(leaf);
+    const auto ray_at_discs = [&] {
+      if constexpr (Points::are_discs) {
+        return points_.at_discs(ray, along, start, frame.error);
+      } else {
+        return nullptr;
+      }
+    }();
     for (int i = 0; i < vectors; ++i) {
-      if constexpr (measure == Measure::crossing) {
+      if constexpr (Points::are_discs) {
         if ((possible >> (i * lanes) & ((1ull << lanes) - 1u)) == 0) {
           lows[i] = highs[i] = none;
           continue;
@@ -259,11 +246,11 @@ class LeafTest {
       auto sure = hn::And(hn::Le(distances_sq[i], inner_sq), hn::Ge(entry_low, surely_after));
       lows[i] = entry_low;
       highs[i] = hn::Add(ts[i], error);
-      if constexpr (measure == Measure::crossing) {
-        const Crossings crossings = disc_test_(disc_test_.sheets(leaf.first + i * lanes, count - i * lanes),
-                                               {from_start(0, i), from_start(1, i), from_start(2, i), ts[i],
-                                                distances_sq[i], error, outer_sq, inner_sq, radius[i]},
-                                               at_discs);
+      if constexpr (Points::are_discs) {
+        const auto crossings = points_.crossings(leaf.first + i * lanes, count - i * lanes,
+                                                 {from_start(0, i), from_start(1, i), from_start(2, i), ts[i],
+                                                  distances_sq[i], error, outer_sq, inner_sq, radius[i]},
+                                                 ray_at_discs);
         lows[i] = crossings.low;
         highs[i] = crossings.high;
         const auto counts =
@@ -275,16 +262,16 @@ class LeafTest {
       } else {
         sure = hn::And(sure, hn::And(hn::Ge(ts[i], surely_low), hn::Le(ts[i], surely_high)));
       }
-      if constexpr (measure == Measure::entry) {
+      if constexpr (Points::measure == Measure::entry) {
         highs[i] = hn::Sub(highs[i], hn::Sqrt(hn::Max(hn::Sub(inner_sq, distances_sq[i]), zero)));
-      } else if constexpr (measure != Measure::crossing) {
+      } else if constexpr (!Points::are_discs) {
         lows[i] = hn::Sub(ts[i], error);
       }
       const auto in_leaf = hn::FirstN(d, std::max(static_cast<int>(count) - i * lanes, 0));
       highs[i] = hn::IfThenElse(hn::And(sure, in_leaf), highs[i], none);
       first_high = hn::Min(first_high, highs[i]);
     }
-    if constexpr (measure == Measure::crossing) {
+    if constexpr (Points::are_discs) {
       possible &= crossed;
       if (possible == 0) return;
       if (setup_.tree.ids) hwy::Prefetch(setup_.tree.ids + leaf.first + index_of_lowest_bit(possible));
@@ -302,7 +289,7 @@ class LeafTest {
         finish(ray, leaf, index_of_lowest_bit(leaders));
         return;
       }
-      if constexpr (measure != Measure::crossing) {
+      if constexpr (!Points::are_discs) {
         for (; possible != 0 && !ray.state.found(); possible &= possible - 1) {
           const std::uint32_t i = index_of_lowest_bit(possible);
           if (in_double(ray, leaf, i)) finish(ray, leaf, i);
@@ -326,7 +313,7 @@ class LeafTest {
       take(ray, leaf, leader, start + all_lows[leader], start + leader_high);
       possible &= ~(1u << leader);
     }
-    if constexpr (measure == Measure::crossing) {
+    if constexpr (Points::are_discs) {
       decide_in_order(ray, leaf, possible, start, [&](std::uint32_t i) { return all_lows[i]; });
       return;
     }
@@ -345,11 +332,11 @@ class LeafTest {
   void decide(const ActiveRay& ray, const Leaf& leaf, std::uint32_t index) const {
     const std::optional<Hit> hit = in_double(ray, leaf, index);
     if (!hit) return;
-    const bool is_surely_first = measured(measure, *hit) - ray.state.shift < ray.state.best_low;
+    const bool is_surely_first = measured(Points::measure, *hit) - ray.state.shift < ray.state.best_low;
     if (!is_surely_first) {
       const std::optional<Hit> best = in_double(ray, ray.state.best_position, ray.state.best_index);
       // Coordinates of a damaged index file can lie where floats are sure of them and doubles are not.
-      if (best && !precedes(measure, *hit, *best)) {
+      if (best && !precedes(Points::measure, *hit, *best)) {
         settle(ray, *best);
         return;
       }
@@ -360,7 +347,7 @@ class LeafTest {
 
   /// The best point's measure is known to the last bit.
   void settle(const ActiveRay& ray, const Hit& best) const {
-    const double local = measured(measure, best) - ray.state.shift;
+    const double local = measured(Points::measure, best) - ray.state.shift;
     ray.state.best_low = local - setup_.double_error;
     cut_at(ray, local + setup_.double_error);
   }
@@ -371,11 +358,8 @@ class LeafTest {
 
   std::optional<Hit> in_double(const ActiveRay& ray, const LatticePosition& position, std::uint32_t index,
                                Filters filters = Filters::all) const {
-    const glm::dvec3 world = to_world(setup_.tree.lattice, position);
-    if constexpr (radii == Radii::own)
-      return evaluate_own(ray.input, setup_.query, setup_.tree, index, world, ray.query_index, filters);
-    return evaluate(ray.input, setup_.query, setup_.query.radius, world, point_id(setup_.tree, index),
-                    ray.query_index, filters);
+    return points_.evaluate(ray.input, index, to_world(setup_.tree.lattice, position), ray.query_index,
+                            filters);
   }
 
   void keep(const ActiveRay& ray, const Leaf& leaf, std::uint32_t index) const {
@@ -386,9 +370,8 @@ class LeafTest {
   }
 
   const QuerySetup& setup_;
+  const Points& points_;
   const float radius_above_;
-  const OwnRadii own_radii_;
-  const DiscTest disc_test_;  ///< of Measure::crossing
   const bool all_in_double_;
 };
 

@@ -120,7 +120,7 @@ class NearestFirst {
 
 template <class Query>
 bool knows_all_points(const Query& query) {
-  return !has_filter(query) && query.max_level == k_all_levels;
+  return !query.filter && query.max_level == k_all_levels;
 }
 
 /// Appends the k first answers. measure_shift, shift_error: as NearestCollector takes them.

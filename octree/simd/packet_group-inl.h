@@ -103,7 +103,8 @@ struct PacketLimits {
 
   PacketLimits() = default;
 
-  PacketLimits(const PacketRays& rays, const RayQuery& query, float leaf_error, const PacketGroup& group)
+  PacketLimits(const PacketRays& rays, const QueryConditions& query, float leaf_error,
+               const PacketGroup& group)
       : has_entry_min(query.entry_min > -std::numeric_limits<double>::infinity()) {
     const RayLanes d;
     const auto error = hn::Set(d, leaf_error);

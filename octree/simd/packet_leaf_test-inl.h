@@ -24,16 +24,16 @@ namespace HWY_NAMESPACE {
 ///
 /// Bounds of a ray count from `base`, where it entered the last leaf, since differences of points of one leaf
 /// or of neighbouring ones are small; they are widened by the rounding when the base moves.
-template <Measure measure, bool any, Radii radii>
+template <class Points, bool any>
 class PacketLeafTest {
  public:
-  using Single = LeafTest<measure, any, radii>;
+  using Single = LeafTest<Points, any>;
 
   PacketLeafTest(const QuerySetup& setup, const Single& single, PacketRays& rays)
       : setup_(setup),
         single_(single),
         rays_(rays),
-        widening_(radii == Radii::own ? 0.0f : float_below(setup.query.radius)) {}
+        widening_(Points::own_radii ? 0.0f : float_below(setup.query.radius)) {}
 
   /// For the rays that are loaded.
   void start(std::size_t count) {
@@ -133,15 +133,15 @@ class PacketLeafTest {
                z = hn::Sub(hn::Set(d, points_[2][i]), group.from[2]);
     return point_at_ray(x, y, z, group.along[0], group.along[1], group.along[2], hn::Set(d, outer_sq(i)));
   }
-  HWY_INLINE float outer_sq(std::uint32_t i) const { return radii == Radii::own ? outer_sqs_[i] : outer_sq_; }
+  HWY_INLINE float outer_sq(std::uint32_t i) const { return Points::own_radii ? outer_sqs_[i] : outer_sq_; }
   /// A point whose PointAtRay::inside is at least this certainly is within its radius.
   HWY_INLINE float sure_above(std::uint32_t i) const {
-    return radii == Radii::own ? sure_aboves_[i] : sure_above_;
+    return Points::own_radii ? sure_aboves_[i] : sure_above_;
   }
 
   HWY_INLINE hn::Vec<PointLanes> sure_above_of(std::uint32_t first) const {
-    return radii == Radii::own ? hn::Load(PointLanes(), sure_aboves_ + first)
-                               : hn::Set(PointLanes(), sure_above_);
+    return Points::own_radii ? hn::Load(PointLanes(), sure_aboves_ + first)
+                             : hn::Set(PointLanes(), sure_above_);
   }
 
   void load(const Leaf& leaf, std::uint32_t count) {
@@ -153,11 +153,12 @@ class PacketLeafTest {
         hn::Store(
             hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, frame_->scale[axis])),
             d, points_[axis] + i);
-    if constexpr (radii == Radii::own) {
+    if constexpr (Points::own_radii) {
       const auto error = hn::Set(d, error_);
       for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
-        const auto radius = single_.own_radii().above(d, setup_.tree.spacings + leaf.first + i);
-        const auto outer = OwnRadii::outer_sq(d, radius, error), inner = OwnRadii::inner_sq(d, radius, error);
+        const auto radius = single_.points().radii(d, leaf.first + i);
+        const auto outer = SquaredRadius::outer(d, radius, error),
+                   inner = SquaredRadius::inner(d, radius, error);
         const auto rim =
             hn::MulAdd(outer, hn::Set(d, 0x1p-20f), hn::Mul(hn::Sub(outer, inner), hn::Set(d, k_up)));
         hn::Store(outer, d, outer_sqs_ + i);
@@ -207,7 +208,7 @@ class PacketLeafTest {
       if (has_new) {
         // t + error - sqrt(chord - rim) <= t + error - root + rim / root.
         auto end = hn::Add(low, error);
-        if constexpr (measure == Measure::entry)
+        if constexpr (Points::measure == Measure::entry)
           end = hn::Add(end, hn::Mul(hn::Div(rim, root), hn::Set(d, k_up)));
         end = hn::MulAdd(hn::Abs(end), hn::Set(d, 0x1p-21f), end);
         high = hn::IfThenElse(is_new, end, high);
@@ -256,7 +257,7 @@ class PacketLeafTest {
         if (hn::AllFalse(d, is_possible)) continue;
       }
       auto low = t, root = zero;
-      if constexpr (measure == Measure::entry) {
+      if constexpr (Points::measure == Measure::entry) {
         root = hn::Sqrt(hn::Max(inside, zero));
         low = hn::Sub(t, root);
       }
@@ -295,7 +296,8 @@ class PacketLeafTest {
         if constexpr (limited) limits->of(lane).apply(t, inside, sure_above_of(i), is_possible, is_sure);
         if (hn::AllFalse(p, is_possible)) continue;
         auto low = t;
-        if constexpr (measure == Measure::entry) low = hn::Sub(t, hn::Sqrt(hn::Max(inside, hn::Zero(p))));
+        if constexpr (Points::measure == Measure::entry)
+          low = hn::Sub(t, hn::Sqrt(hn::Max(inside, hn::Zero(p))));
         is_possible = hn::And(is_possible, hn::Lt(low, hn::Set(p, seconds[lane])));
         if (hn::AllFalse(p, is_possible)) continue;
         low = hn::IfThenElse(is_possible, low, none);
@@ -337,7 +339,7 @@ class PacketLeafTest {
       const auto coordinate = [&](int axis) {
         return hn::Sub(hn::Load(d, test.points_[axis] + i), hn::Set(d, from[axis]));
       };
-      const auto outer = radii == Radii::own ? hn::Load(d, test.outer_sqs_ + i) : hn::Set(d, test.outer_sq_);
+      const auto outer = Points::own_radii ? hn::Load(d, test.outer_sqs_ + i) : hn::Set(d, test.outer_sq_);
       return point_at_ray(coordinate(0), coordinate(1), coordinate(2), hn::Set(d, along[0]),
                           hn::Set(d, along[1]), hn::Set(d, along[2]), outer);
     }
@@ -435,7 +437,7 @@ class PacketLeafTest {
   // Of the leaf.
   std::uint32_t count_ = 0;
   alignas(64) float points_[3][k_max_leaf_size];  ///< from the frame's corner, metres
-  alignas(64) float outer_sqs_[k_max_leaf_size], sure_aboves_[k_max_leaf_size];  ///< only of Radii::own
+  alignas(64) float outer_sqs_[k_max_leaf_size], sure_aboves_[k_max_leaf_size];  ///< of own_radii
   // Of the rays.
   alignas(64) float base_[k_size], low_[k_size], second_[k_size], high_[k_size];
   alignas(64) std::uint32_t found_leaf_[k_size], found_point_[k_size];

@@ -32,12 +32,12 @@ namespace HWY_NAMESPACE {
 ///
 /// Nothing of a ray is in memory but one column of the packet, in which the leaves leave their results
 /// (PacketLeafTest). Rays that these do not decide are traced alone.
-template <Measure measure, bool any, Radii radii>
+template <class Points, bool any>
 class RayPacket {
  public:
   static constexpr std::size_t k_size = PacketRays::k_size;
 
-  explicit RayPacket(const Traversed<measure, any, radii>& traversed)
+  explicit RayPacket(const Traversed<Points, any>& traversed)
       : traversed_(traversed),
         setup_(traversed.setup),
         leaf_test_(traversed.setup, traversed.leaf_test, rays_),
@@ -62,7 +62,7 @@ class RayPacket {
   }
 
   const PacketRays& rays() const { return rays_; }
-  const PacketLeafTest<measure, any, radii>& results() const { return leaf_test_; }
+  const PacketLeafTest<Points, any>& results() const { return leaf_test_; }
 
   /// Nodes visited, and the rays that met them, since the start.
   std::uint64_t nodes() const { return nodes_; }
@@ -145,7 +145,7 @@ class RayPacket {
   void fill(Faces& faces, const Node& node, const Frame& frame) const {
     const ChildLanes d;
     const auto grid_step = static_cast<float>(power_of_two(frame.level - k_min_frame_level));
-    const auto margin = static_cast<float>(setup_.widening(radii, frame.corner, frame.level));
+    const auto margin = static_cast<float>(setup_.widening(frame.corner, frame.level));
     for (int axis = 0; axis < 3; ++axis) {
       const bool down = (octant_ >> axis & 1) != 0;
       const float corner = setup_.steps_to(frame.corner[axis], axis) * setup_.tree.extent.scale[axis];
@@ -158,9 +158,8 @@ class RayPacket {
       for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
         auto near = hn::MulAdd(load_as_float(d, first + lane), signed_step, hn::Set(d, down ? -high : low));
         auto far = hn::MulAdd(load_as_float(d, last + lane), signed_step, hn::Set(d, down ? -low : high));
-        if constexpr (radii == Radii::own) {
-          const auto radius =
-              traversed_.leaf_test.own_radii().above(d, slot_spacings(setup_.tree, frame.node) + lane);
+        if constexpr (Points::own_radii) {
+          const auto radius = traversed_.leaf_test.points().slot_radii(d, frame.node, lane);
           near = hn::Sub(near, radius);
           far = hn::Add(far, radius);
         }
@@ -334,10 +333,10 @@ class RayPacket {
     }
   }
 
-  const Traversed<measure, any, radii>& traversed_;
+  const Traversed<Points, any>& traversed_;
   const QuerySetup& setup_;
   PacketRays rays_;
-  PacketLeafTest<measure, any, radii> leaf_test_;
+  PacketLeafTest<Points, any> leaf_test_;
   unsigned octant_ = 0;
   // Of the node that is visited: its rays.
   unsigned groups_ = 0;  ///< bit per vector of rays: one of them is active
@@ -357,15 +356,14 @@ class RayPacket {
 /// (octree/candidate.h) in their order, so that the numbers are the same bits.
 class PacketHits {
  public:
-  template <Radii radii>
-  HWY_INLINE void add(const QuerySetup& setup, std::size_t lane, const Leaf& leaf, std::uint32_t point) {
-    const TreeView& tree = setup.tree;
+  template <class Points>
+  HWY_INLINE void add(const Points& points, const TreeView& tree, std::size_t lane, const Leaf& leaf,
+                      std::uint32_t point) {
     index_[lane] = leaf.first + point;
     if (tree.ids) hwy::Prefetch(tree.ids + index_[lane]);
     const glm::dvec3 position = to_world(tree.lattice, position_of(tree, leaf, point));
     for (int axis = 0; axis < 3; ++axis) position_[axis][lane] = position[axis];
-    radius_[lane] =
-        radii == Radii::own ? own_radius(setup.query, spacing_at(tree, index_[lane])) : setup.query.radius;
+    radius_[lane] = points.radius_at(index_[lane]);
   }
 
   void evaluate(const PacketRays& rays) {

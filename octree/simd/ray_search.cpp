@@ -233,7 +233,7 @@ template <Measure measure>
 void find_by(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k,
              std::size_t query_index, std::vector<Hit>& answers) {
   const LineFromRoot line(tree, ray);
-  const RayKernel<measure> kernel(tree, line, ray, query, has_filter(query));
+  const RayKernel<measure> kernel(tree, line, ray, query, static_cast<bool>(query.filter));
   constexpr bool is_along_line = measure != Measure::distance;
   find_first(tree, kernel, RayTarget(ray, query, query_index), query, k, is_along_line ? line.shift : 0.0,
              is_along_line ? line.error : 0.0, answers);
@@ -244,7 +244,7 @@ void find(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size
   if (admits_none(query)) return;
   if (k >= tree.point_count) {
     const LineFromRoot line(tree, ray);
-    const RayKernel<Measure::t> kernel(tree, line, ray, query, has_filter(query));
+    const RayKernel<Measure::t> kernel(tree, line, ray, query, static_cast<bool>(query.filter));
     find_all(tree, kernel, RayTarget(ray, query, query_index), query, answers);
   } else if (query.measure == Measure::distance) {
     find_by<Measure::distance>(tree, ray, query, k, query_index, answers);
@@ -278,7 +278,7 @@ const Search<Ray>& search(InstructionSet instruction_set) {
 }
 
 bool suits_lanes(const TreeView& tree, const Ray& ray, const RayQuery& query) {
-  if (tree.node_count == 0 || query.spacing_factor > 0.0) return false;
+  if (tree.node_count == 0) return false;
   const glm::dvec3& d = ray.direction;
   const double square = d.x * d.x + d.y * d.y + d.z * d.z;
   double width = 0.0;

@@ -80,10 +80,13 @@ bool start_side_by_side(const TreeExtent& extent, std::size_t rays, const Origin
   });
 }
 
-/// Whose radius the spheres around the points have.
-enum class Radii {
-  shared,  ///< the query's
-  own,     ///< each point its own: RayQuery::spacing_factor
+/// Of a query, what its way through the tree depends on.
+struct QueryConditions {
+  double radius;  ///< no point's is greater
+  double entry_min;
+  int max_level;
+  const CandidateFilter& filter;
+  bool own_radii;  ///< points have radii of their own
 };
 
 /// What a traversal needs of tree and query, the same for all rays of a batch.
@@ -108,8 +111,8 @@ enum class Radii {
 struct QuerySetup {
   /// For rays that start not farther away than a few times the extent of the points, and near the site if
   /// there is one; others get a setup of their own.
-  QuerySetup(const TreeView& query_tree, const RayQuery& ray_query)
-      : QuerySetup(query_tree, ray_query, usual_way(query_tree, ray_query)) {
+  QuerySetup(const TreeView& query_tree, const QueryConditions& conditions)
+      : QuerySetup(query_tree, conditions, usual_way(query_tree, conditions)) {
     const TreeExtent& extent = tree.extent;
     if (extent.site_level >= tree.root_level) return;
     has_site = true;
@@ -121,9 +124,9 @@ struct QuerySetup {
   }
 
   /// For rays from anywhere.
-  QuerySetup(const TreeView& query_tree, const RayQuery& ray_query, double greatest_way)
+  QuerySetup(const TreeView& query_tree, const QueryConditions& conditions, double greatest_way)
       : tree(query_tree),
-        query(ray_query),
+        query(conditions),
         longest_way(greatest_way),
         double_error(double_error_of(query_tree.extent, greatest_way)) {
     std::ranges::copy(tree.extent.corner, corner);
@@ -149,9 +152,9 @@ struct QuerySetup {
   }
 
   /// By how much boxes below a frame are widened beside radii of the points' own.
-  double widening(Radii radii, const std::array<std::uint32_t, 3>& frame_corner, int level) const {
+  double widening(const std::array<std::uint32_t, 3>& frame_corner, int level) const {
     const bool within = in_site(frame_corner, level);
-    if (radii == Radii::own) return within ? site_margin : box_margin;
+    if (query.own_radii) return within ? site_margin : box_margin;
     return within ? site_radius : box_radius;
   }
 
@@ -169,12 +172,12 @@ struct QuerySetup {
     return 0x1p-48 * (extent.largest_coordinate + 2.0 * way) + 4e-12 * way + 1e-30;
   }
 
-  static double usual_way(const TreeView& tree, const RayQuery& query) {
-    return 8.0 * (tree.extent.size + query.radius);
+  static double usual_way(const TreeView& tree, const QueryConditions& conditions) {
+    return 8.0 * (tree.extent.size + conditions.radius);
   }
 
   const TreeView& tree;
-  const RayQuery& query;
+  const QueryConditions query;
   const double longest_way;
   const double double_error;
   double box_radius = 0.0;
@@ -190,7 +193,7 @@ struct QuerySetup {
  private:
   /// For positions within so many metres.
   double margin_in(double width) const {
-    const double budget = query.spacing_factor > 0.0 ? 0x1p-19 : 0x1p-20;
+    const double budget = query.own_radii ? 0x1p-19 : 0x1p-20;
     return budget * (width + query.radius) + double_error;
   }
 };

@@ -13,7 +13,6 @@
 #include <span>
 #include <vector>
 
-#include "octree/simd/disc_group_test-inl.h"
 #include "octree/simd/leaf_group_test-inl.h"
 #include "octree/simd/ray_walk-inl.h"
 
@@ -24,10 +23,10 @@ namespace HWY_NAMESPACE {
 /// Traverses the tree with many rays of one octant (signs of their directions) together, one lane per ray:
 /// each node is read once for all rays that meet it, and its boxes, or the points of a leaf, are converted to
 /// floats once. Where few rays are left, each continues alone.
-template <Measure measure, bool any, Radii radii>
+template <class Points, bool any>
 class RayStream {
  public:
-  explicit RayStream(const Traversed<measure, any, radii>& traversed)
+  explicit RayStream(const Traversed<Points, any>& traversed)
       : traversed_(traversed), setup_(traversed.setup) {}
 
   /// rays: their numbers in the batch, all of the octant. The k_list_padding elements behind them are
@@ -140,13 +139,10 @@ class RayStream {
   }
 
   void test_leaf(const Leaf& leaf, std::uint32_t count,
-                 const typename LeafTest<measure, any, radii>::LeafFrame& frame, const RayList& list) {
+                 const typename LeafTest<Points, any>::LeafFrame& frame, const RayList& list) {
     if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
-      if constexpr (measure == Measure::crossing)
-        DiscGroupTest<any>(setup_, traversed_.leaf_test, leaf, count, frame).visit(batch_, list, tests_);
-      else
-        LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, frame)
-            .visit(batch_, list, tests_);
+      typename Points::template GroupTest<any> group_test(setup_, traversed_.leaf_test, leaf, count, frame);
+      group_test.visit(batch_, list, tests_);
       return;
     }
     for (std::uint32_t i = 0; i < list.count; ++i)
@@ -158,9 +154,7 @@ class RayStream {
     const ChildLanes d;
     Faces faces;
     const auto grid_step = static_cast<float>(power_of_two(frame.level - k_min_frame_level));
-    const auto margin = static_cast<float>(setup_.widening(radii, frame.corner, frame.level));
-    const OwnRadii& own_radii = traversed_.leaf_test.own_radii();
-    const std::uint16_t* spacings = slot_spacings(setup_.tree, frame.node);
+    const auto margin = static_cast<float>(setup_.widening(frame.corner, frame.level));
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = (octant_ >> axis & 1) != 0;
       const float corner = setup_.steps_to(frame.corner[axis], axis) * setup_.tree.extent.scale[axis];
@@ -171,8 +165,8 @@ class RayStream {
             hn::MulAdd(load_as_float(d, node.low[axis] + lane), hn::Set(d, step), hn::Set(d, low_base));
         auto high =
             hn::MulAdd(load_as_float(d, node.high[axis] + lane), hn::Set(d, step), hn::Set(d, high_base));
-        if constexpr (radii == Radii::own) {
-          const auto radius = own_radii.above(d, spacings + lane);
+        if constexpr (Points::own_radii) {
+          const auto radius = traversed_.leaf_test.points().slot_radii(d, frame.node, lane);
           low = hn::Sub(low, radius);
           high = hn::Add(high, radius);
         }
@@ -235,7 +229,7 @@ class RayStream {
     }
   }
 
-  const Traversed<measure, any, radii>& traversed_;
+  const Traversed<Points, any>& traversed_;
   const QuerySetup& setup_;
   RayBatch batch_{};
   unsigned octant_ = 0;

@@ -18,20 +18,20 @@ namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
 /// What stays the same for all rays of a query.
-template <Measure measure, bool any, Radii radii>
+template <class Points, bool any>
 struct Traversed {
   const QuerySetup& setup;
-  const LeafTest<measure, any, radii>& leaf_test;
+  const LeafTest<Points, any>& leaf_test;
   int max_depth;       ///< nodes below are not visited
   bool skips_twins;    ///< of points at one position only the first is examined
   bool rejects_twins;  ///< or none, if the query rejects the position
 
-  Traversed(const QuerySetup& query_setup, const LeafTest<measure, any, radii>& test)
+  Traversed(const QuerySetup& query_setup, const LeafTest<Points, any>& test)
       : setup(query_setup),
         leaf_test(test),
         max_depth(setup.query.max_level),
-        skips_twins(!setup.query.filter && setup.query.max_level == k_all_levels),
-        rejects_twins(setup.query.filter && setup.query.position_filter) {}
+        skips_twins(!setup.query.filter.of_point && setup.query.max_level == k_all_levels),
+        rejects_twins(setup.query.filter.of_point && setup.query.filter.of_position) {}
 
   /// Whether points of the node's first position are in more than one of its slots.
   static bool has_twins(const Slots& slots, const SamePositions& same) {
@@ -52,7 +52,7 @@ struct Traversed {
 /// A single ray as it meets boxes. t of the face at grid step q of a frame is q * step * 2^(level - 8) +
 /// corner * step - origin_t, with the frame's corner in lattice steps from the setup's, and `reach` before
 /// that for near faces, behind it for far ones. Radii of the points' own are taken off later.
-template <Radii radii>
+template <class Points>
 struct RayOnGrid {
   float step[3], origin_t[3];
   float reach[3], reach_in_site[3];
@@ -60,8 +60,8 @@ struct RayOnGrid {
   std::ptrdiff_t near_row[3], far_row[3];  ///< bytes from the node's start
 
   RayOnGrid(const QuerySetup& setup, const RayBoxes& boxes) {
-    const auto widening = static_cast<float>(radii == Radii::own ? setup.box_margin : setup.box_radius);
-    const auto in_site = static_cast<float>(radii == Radii::own ? setup.site_margin : setup.site_radius);
+    const auto widening = static_cast<float>(Points::own_radii ? setup.box_margin : setup.box_radius);
+    const auto in_site = static_cast<float>(Points::own_radii ? setup.site_margin : setup.site_radius);
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = boxes.inverse[axis] < 0.0f;
       step[axis] = setup.tree.extent.scale[axis] * boxes.inverse[axis];
@@ -90,12 +90,12 @@ HWY_INLINE float grid_step_of(int level) {
 }
 
 /// Slots whose widened box the ray meets between local t = 0 and t_cut, empty slots included, and where it
-/// enters each. corner: of the node's frame, lattice steps. reach: RayOnGrid's for that frame. spacings: of
-/// the node's slots; only for Radii::own.
-template <Radii radii>
-HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const Node& node,
-                               const float* corner, int level, const float* reach, const OwnRadii& own_radii,
-                               const std::uint16_t* spacings, float* t_near) {
+/// enters each. points: of the tree whose node has this number. corner: of the node's frame, lattice steps.
+/// reach: RayOnGrid's for that frame.
+template <class Points>
+HWY_INLINE unsigned meet_boxes(const RayOnGrid<Points>& ray, float t_cut, const Points& points,
+                               const Node& node, std::uint32_t number, const float* corner, int level,
+                               const float* reach, float* t_near) {
   const ChildLanes d;
   const float grid_step = grid_step_of(level);
   float step[3], near[3], far[3];
@@ -113,11 +113,11 @@ HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const N
   unsigned meets = 0;
   for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
     auto enter = hn::Zero(d), leave = hn::Set(d, t_cut), radius = hn::Zero(d);
-    if constexpr (radii == Radii::own) radius = own_radii.above(d, spacings + lane);
+    if constexpr (Points::own_radii) radius = points.slot_radii(d, number, lane);
     for (int axis = 0; axis < 3; ++axis) {
       auto first = on_axis(ray.near_row[axis] + lane, axis, near[axis]),
            last = on_axis(ray.far_row[axis] + lane, axis, far[axis]);
-      if constexpr (radii == Radii::own) {
+      if constexpr (Points::own_radii) {
         first = hn::NegMulAdd(radius, hn::Set(d, ray.way[axis]), first);
         last = hn::MulAdd(radius, hn::Set(d, ray.way[axis]), last);
       }
@@ -132,10 +132,10 @@ HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const N
 
 /// One ray on its way through the tree, nearest nodes first, in steps: test a node's boxes, test the leaves
 /// among them, go to the next node.
-template <Measure measure, bool any, Radii radii>
+template <class Points, bool any>
 class RayWalk {
  public:
-  RayWalk(const Traversed<measure, any, radii>& traversed, const ActiveRay& ray, const Frame& from)
+  RayWalk(const Traversed<Points, any>& traversed, const ActiveRay& ray, const Frame& from)
       : ray_(ray),
         on_grid_(traversed.setup, ray.boxes),
         reference_(traversed.setup.reference),
@@ -146,13 +146,13 @@ class RayWalk {
                static_cast<std::uint16_t>(from.depth)} {}
 
   /// Whether the ray meets leaves of the node.
-  HWY_INLINE bool meet_children(const Traversed<measure, any, radii>& traversed) {
+  HWY_INLINE bool meet_children(const Traversed<Points, any>& traversed) {
     const TreeView& tree = traversed.setup.tree;
     const Node& node = tree.nodes[frame_.node];
     const Slots slots(node);
-    unsigned met = meet_boxes(on_grid_, ray_.boxes.t_cut, node, frame_.corner, frame_.level,
-                              in_site(traversed.setup) ? on_grid_.reach_in_site : on_grid_.reach,
-                              traversed.leaf_test.own_radii(), slot_spacings(tree, frame_.node), t_near_);
+    unsigned met =
+        meet_boxes(on_grid_, ray_.boxes.t_cut, traversed.leaf_test.points(), node, frame_.node, frame_.corner,
+                   frame_.level, in_site(traversed.setup) ? on_grid_.reach_in_site : on_grid_.reach, t_near_);
     single_ = 0;
     if (frame_.level == k_min_frame_level && (traversed.skips_twins || traversed.rejects_twins)) {
       const SamePositions same(node);
@@ -171,7 +171,7 @@ class RayWalk {
   }
 
   /// Fetches the points of the leaves that the ray meets.
-  HWY_INLINE void prefetch_leaves(const Traversed<measure, any, radii>& traversed) const {
+  HWY_INLINE void prefetch_leaves(const Traversed<Points, any>& traversed) const {
     const Node& node = traversed.setup.tree.nodes[frame_.node];
     const Slots slots(node);
     for (unsigned leaves = leaves_; leaves != 0; leaves &= leaves - 1) {
@@ -180,12 +180,12 @@ class RayWalk {
     }
   }
 
-  HWY_INLINE void prefetch_node(const Traversed<measure, any, radii>& traversed) const {
+  HWY_INLINE void prefetch_node(const Traversed<Points, any>& traversed) const {
     hwy::Prefetch(traversed.setup.tree.nodes + frame_.node);
   }
 
   /// Requires: meet_children() was true.
-  HWY_INLINE void test_leaves(const Traversed<measure, any, radii>& traversed) {
+  HWY_INLINE void test_leaves(const Traversed<Points, any>& traversed) {
     const Node& node = traversed.setup.tree.nodes[frame_.node];
     const Slots slots(node);
     const float cut_before = ray_.boxes.t_cut;
@@ -205,7 +205,7 @@ class RayWalk {
   }
 
   /// To the next node; false at the end of the walk.
-  HWY_INLINE bool next_node(const Traversed<measure, any, radii>& traversed) {
+  HWY_INLINE bool next_node(const Traversed<Points, any>& traversed) {
     if (any && ray_.state.found()) return false;
     const Node* nodes = traversed.setup.tree.nodes;
     if (children_ != 0) {
@@ -290,7 +290,7 @@ class RayWalk {
   }
 
   ActiveRay ray_;
-  RayOnGrid<radii> on_grid_;
+  RayOnGrid<Points> on_grid_;
   std::array<std::uint32_t, 3> reference_;
   FloatFrame frame_;
   unsigned leaves_, children_, inner_, single_;
@@ -301,9 +301,9 @@ class RayWalk {
 };
 
 /// One ray from one node on.
-template <Measure measure, bool any, Radii radii>
-void trace(const Traversed<measure, any, radii>& traversed, const ActiveRay& ray, const Frame& from) {
-  RayWalk<measure, any, radii> walk(traversed, ray, from);
+template <class Points, bool any>
+void trace(const Traversed<Points, any>& traversed, const ActiveRay& ray, const Frame& from) {
+  RayWalk<Points, any> walk(traversed, ray, from);
   do {
     if (walk.meet_children(traversed)) walk.test_leaves(traversed);
   } while (walk.next_node(traversed));

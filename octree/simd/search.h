@@ -57,7 +57,7 @@ const Search<Bounds>& search<Bounds>(InstructionSet instruction_set);
 // suits_lanes(): whether floats can distinguish the points of the tree; never those of an empty one.
 
 /// Along there: a direction of length 1 but for rounding, no lengths beyond what floats can square, no line
-/// so far away that all points are equally near, and no radii of the points' own.
+/// so far away that all points are equally near.
 bool suits_lanes(const TreeView& tree, const Ray& ray, const RayQuery& query);
 /// From there: no lengths beyond what floats can square, no point so far away that all points are equally
 /// near.

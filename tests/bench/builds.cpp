@@ -5,8 +5,8 @@
 #include <string>
 
 #include "octree/build.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "surface/point_surface.h"
 #include "tests/bench/bench_site.h"
 #include "tests/bench/process_memory.h"
 #include "tests/bench/ray_bench.h"

@@ -4,14 +4,16 @@
 #include <cstdint>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <vector>
 
 #include "cloud/cloud_reader.h"
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "octree/index_file/index_header.h"
-#include "octree/point_surface.h"
 #include "octree/query.h"
+#include "surface/point_surface.h"
+#include "surface/surface_cloud.h"
 #include "tests/support/seal_index.h"
 
 namespace alidade {
@@ -29,6 +31,9 @@ void ask(const IndexFile& index) {
   for (const glm::dvec3& direction :
        {glm::dvec3(0, 0, -1), glm::dvec3(1, 0.1, 0), glm::dvec3(-0.3, 1, 0.2), glm::dvec3(0.5, 0.5, 0.7)})
     rays.push_back(make_ray(octree.size() > 0 ? bounds.center() : glm::dvec3(0), direction));
+  std::optional<SurfaceCloud> spheres;
+  if (octree.layers().spacings) spheres = SurfaceCloud::of_spheres(octree);
+  const SurfaceQuery own_radii{.radius = 2.0, .spacing_factor = 0.5};
   for (const Ray& ray : rays) {
     for (const Measure measure : {Measure::t, Measure::entry}) {
       const auto hit = closest(octree, ray, {.radius = 0.5, .measure = measure});
@@ -37,20 +42,22 @@ void ask(const IndexFile& index) {
       if (!columns.colors.empty() && columns.colors[hit->point_id].x == 1) check_id(octree, 0);
     }
     occluded(octree, ray, {.radius = 0.1});
-    if (octree.view().spacings) {
-      const RayQuery own_radii{.radius = 2.0, .spacing_factor = 0.5};
-      if (const auto hit = closest(octree, ray, own_radii)) check_id(octree, hit->point_id);
-      count(octree, ray, own_radii);
+    if (spheres) {
+      if (const auto hit = closest(*spheres, ray, own_radii)) check_id(octree, hit->point_id);
+      occluded(*spheres, ray, own_radii);
     }
     for (const Hit& hit : find(octree, ray, {.measure = Measure::distance, .k = 3}))
       check_id(octree, hit.point_id);
   }
   std::vector<std::optional<Hit>> hits(rays.size());
   closest(octree, rays, {.radius = 1.0}, hits);
-  if (octree.view().spacings) closest(octree, rays, {.radius = 1.0, .spacing_factor = 1.0}, hits);
+  if (spheres) closest(*spheres, rays, own_radii, hits);
   count(octree, bounds, {});
-  for (std::uint64_t id = 0; octree.view().surfaces && id < octree.size(); ++id) {
-    if (!(glm::length(surface_of(octree.view(), id).normal) > 0.9)) std::abort();
+  if (octree.layers().surfaces) {
+    for (std::uint64_t id = 0; id < octree.size(); ++id)
+      if (!(glm::length(surface_of(octree.layers(), id).normal) > 0.9)) std::abort();
+    const SurfaceQuery discs{.radius = 2.0, .spacing_factor = 0.5, .discs = DiscQuery{}};
+    closest(SurfaceCloud::of_discs(octree), rays, discs, hits);
   }
   if (octree.size() > 0) {
     for (const PointHit& hit : find(octree, bounds.center(), {.k = 5})) check_id(octree, hit.point_id);

@@ -6,8 +6,8 @@
 
 #include "octree/build.h"
 #include "octree/index_file/save_index.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "surface/point_surface.h"
 
 namespace {
 

@@ -35,13 +35,7 @@ TEST(Cone, with_slope_0_answers_as_a_ray_of_its_radius) {
   Random random;
   for (const FindRayCase& c : find_ray_cases(family.cloud, 200, random)) {
     if (std::isinf(c.query.radius) || std::isfinite(c.query.entry_min)) continue;
-    ConeQuery query{.measure = c.query.measure, .k = c.query.k, .filter = c.query.filter};
-    // Cones have one filter.
-    if (c.query.position_filter) {
-      query.filter = [&c](const Candidate& point) {
-        return c.query.position_filter(point) && (!c.query.filter || c.query.filter(point));
-      };
-    }
+    const ConeQuery query{.measure = c.query.measure, .k = c.query.k, .filter = c.query.filter};
     ASSERT_TRUE(
         same_hits(find(octree, Cone{c.target, c.query.radius, 0.0}, query), find(octree, c.target, c.query)));
   }

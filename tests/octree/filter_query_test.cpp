@@ -2,8 +2,6 @@
 #include <atomic>
 
 #include "octree/distance.h"
-#include "octree/point_surface.h"
-#include "octree/spacing.h"
 #include "tests/octree/as_brute_force.h"
 
 namespace alidade {
@@ -102,12 +100,12 @@ TEST_F(Filter, of_position_gives_the_answers_of_brute_force) {
   std::vector<RayQuery> queries(3, {.radius = 0.05, .measure = Measure::t});
   // The first cluster that a ray meets may count or not.
   for (RayQuery& query : queries)
-    query.position_filter = [](const Candidate& point) {
+    query.filter.of_position = [](const Candidate& point) {
       return point.query_index % 2 == 0 || point.position.x < 1.5;
     };
-  queries[1].filter = [](const Candidate& point) { return point.point_id % 500 == 1; };
+  queries[1].filter.of_point = [](const Candidate& point) { return point.point_id % 500 == 1; };
   queries[2].measure = Measure::entry;
-  queries[2].filter = [](const Candidate& point) { return point.query_index % 3 != 0; };
+  queries[2].filter.of_point = [](const Candidate& point) { return point.query_index % 3 != 0; };
   for (const NamedOctree& named : octrees_of(cloud)) {
     for (const RayQuery& query : queries) {
       std::vector<std::optional<Hit>> hits(rays.size());
@@ -117,15 +115,15 @@ TEST_F(Filter, of_position_gives_the_answers_of_brute_force) {
       for (std::size_t i = 0; i < rays.size(); i += 7) {
         // Alone, its index is 0.
         RayQuery alone = query;
-        const auto at = [i](const CandidateFilter& filter) -> CandidateFilter {
+        const auto at = [i](const CandidateFilter::Function& filter) -> CandidateFilter::Function {
           if (!filter) return {};
           return [filter, i](Candidate point) {
             point.query_index = i;
             return filter(point);
           };
         };
-        alone.filter = at(query.filter);
-        alone.position_filter = at(query.position_filter);
+        alone.filter.of_point = at(query.filter.of_point);
+        alone.filter.of_position = at(query.filter.of_position);
         const std::optional<Hit> expected = brute_force::closest(cloud, rays[i], alone);
         ASSERT_TRUE(same_hits(hits[i], expected)) << named.name << ", ray " << i;
         ASSERT_EQ(blocked[i] != 0, expected.has_value()) << named.name << ", ray " << i;
@@ -139,18 +137,17 @@ TEST_F(Filter, of_position_is_called_for_a_few_of_many_equal_points) {
   std::vector<glm::dvec3> positions(k_equal, glm::dvec3(1, 0, 0));
   for (int i = 0; i < 1000; ++i) positions.push_back(glm::dvec3(3, 0, 0) + random_.in_cube());
   const PointCloud cloud = make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)});
-  const Octree octree = with_discs(with_surfaces(with_spacings(build(cloud), 8)));
+  const Octree octree = build(cloud);
   const std::vector<Ray> rays(k_rays, make_ray({0, 0, 0}, {1, 0, 0}, 0.0));
-  for (const Measure measure : {Measure::t, Measure::entry, Measure::crossing}) {
+  for (const Measure measure : {Measure::t, Measure::entry}) {
     for (const bool has_ids : {false, true}) {
       std::atomic<std::size_t> called = 0;
       RayQuery query{.radius = 0.5, .measure = measure};
-      if (measure == Measure::crossing) query.spacing_factor = 1.0;
-      query.position_filter = [&](const Candidate& point) {
+      query.filter.of_position = [&](const Candidate& point) {
         ++called;
         return point.position.x > 1.5;
       };
-      if (has_ids) query.filter = [](const Candidate& point) { return point.point_id >= k_equal; };
+      if (has_ids) query.filter.of_point = [](const Candidate& point) { return point.point_id >= k_equal; };
       std::vector<std::optional<Hit>> hits(rays.size());
       std::vector<std::uint8_t> blocked(rays.size());
       closest(octree, rays, query, hits);

@@ -26,7 +26,7 @@ void expect_first_levels(const MakeCases& make_cases) {
       auto coarse = c.query, filtered = c.query;
       coarse.max_level = max_level;
       filtered.filter = [&](const Candidate& point) {
-        return levels[point.point_id] <= max_level && (!c.query.filter || c.query.filter(point));
+        return levels[point.point_id] <= max_level && c.query.filter.admits(point);
       };
       const auto expected = brute_force::find(family.cloud, c.target, filtered);
       const Octree octree_of_set = octree.with_instruction_set(sets[turn++ % sets.size()]);

@@ -5,9 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "base/error.h"
+#include "octree/brute_force.h"
 #include "octree/build.h"
+#include "tests/support/octrees.h"
 #include "tests/support/point_families.h"
+#include "tests/support/random.h"
+#include "tests/support/spacings.h"
 
 namespace alidade {
 namespace {
@@ -75,6 +81,56 @@ TEST(Spacing, a_radius_is_found_for_clouds_without_spacing) {
   for (const PointFamily& family : point_families()) {
     EXPECT_GT(automatic_radius(build(family.cloud)), 0.0) << family.name;
   }
+}
+
+TEST(PointSpacing, is_the_distance_to_the_nth_point_elsewhere_rounded_up_to_eight_bits) {
+  for (const PointFamily& family : point_families()) {
+    for (const int neighbours : {1, 8}) {
+      SCOPED_TRACE(family.name + " neighbour " + std::to_string(neighbours));
+      const std::vector<double> expected = brute_force::spacings(family.cloud, neighbours);
+      for (const test::NamedOctree& named : test::octrees_of(family.cloud, InstructionSet::best)) {
+        SCOPED_TRACE(named.name);
+        const Octree octree = with_spacings(named.octree, neighbours);
+        if (octree.size() > 0) {
+          ASSERT_EQ(test::spacings_by_id(octree), expected);
+        }
+      }
+    }
+  }
+}
+
+TEST(PointSpacing, bits_are_the_least_that_are_not_below) {
+  test::Random random("spacing_bits");
+  for (int i = 0; i < 100000; ++i) {
+    const double metres = std::pow(10.0, random.between(-30.0, 30.0));
+    const std::uint16_t bits = spacing_bits(metres);
+    ASSERT_GE(spacing_of(bits), metres);
+    ASSERT_LT(spacing_of(static_cast<std::uint16_t>(bits - 1)), metres);
+    ASSERT_LE(spacing_of(bits), metres * 1.0079);
+  }
+  EXPECT_EQ(spacing_of(spacing_bits(0.0)), 0.0f);
+  EXPECT_EQ(spacing_of(spacing_bits(2.5)), 2.5f);
+  EXPECT_TRUE(std::isinf(spacing_of(spacing_bits(std::numeric_limits<double>::infinity()))));
+}
+
+TEST(PointSpacing, of_a_line_of_points_is_known_on_paper) {
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 100; ++i) points.emplace_back(i, 0.0, 0.0);
+  points.resize(101, points[50]);  // a twin
+  const Octree octree = build(test::make_cloud(points, {glm::dvec3(0.5), glm::dvec3(0.0)}));
+  const Octree measured = with_spacings(octree, 4);
+  const std::vector<double> spacings = test::spacings_by_id(measured);
+  EXPECT_EQ(spacings[0], 4.0);
+  EXPECT_EQ(spacings[20], 2.0);
+  EXPECT_EQ(spacings[50], 2.0);
+  EXPECT_EQ(spacings[100], 2.0);
+  EXPECT_EQ(spacings[51], 2.0) << "the twins count as two";
+}
+
+TEST(PointSpacing, numbers_of_neighbours_out_of_range_are_errors) {
+  const Octree octree = build(point_families().front().cloud);
+  EXPECT_THROW(with_spacings(octree, 0), Error);
+  EXPECT_THROW(with_spacings(octree, k_most_spacing_neighbours + 1), Error);
 }
 
 }  // namespace

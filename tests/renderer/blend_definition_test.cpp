@@ -52,7 +52,7 @@ struct Disc {
 };
 
 std::optional<Disc> disc_of(const PlainPoints& points, std::uint64_t id, double factor) {
-  const PointSurface surface = surface_of(points.tree, id);
+  const PointSurface surface = surface_of(points.layers, id);
   if (!surface.exists) return std::nullopt;
   return Disc{points.cloud.world(id), surface.normal, surface.height,
               std::min(points.query.radius, factor * points.spacings[id]), surface.thickness};
@@ -138,11 +138,11 @@ HitTrust trust_of(const PlainPoints& points, const Ray& ray, const Hit& first) {
         (own->thickness + k_thinnest * own->radius) / std::fabs(glm::dot(own->normal, ray.direction));
     trust.sigma = std::sqrt(sums.variance + along * along / trust.support);
   }
-  RayQuery wide = points.query;
-  wide.discs.edge_shift = k_shift;
+  SurfaceQuery wide = points.query;
+  wide.discs->edge_shift = k_shift;
   wide.spacing_factor *= k_wider;
-  wide.discs.lone_factor *= k_larger;
-  const auto earlier = brute_force::closest(points.cloud, ray, wide, {points.spacings, &points.tree});
+  wide.discs->lone_factor *= k_larger;
+  const auto earlier = brute_force::closest(points.cloud, ray, wide, points.spacings, points.layers);
   if (earlier) trust.sigma = std::max(trust.sigma, (first.t - earlier->t) / k_apart);
   // From rim to rim.
   Ray on = ray;

@@ -6,14 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "octree/brute_force.h"
-#include "octree/candidate.h"
-#include "octree/leaf_fitter.h"
-#include "octree/spacing.h"
 #include "octree/tree_walk.h"
 #include "renderer/disc_tracer.h"
+#include "surface/brute_force_surface.h"
+#include "surface/point_disc.h"
 #include "tests/renderer/tracer_scenes.h"
 #include "tests/support/random.h"
+#include "tests/support/spacings.h"
 
 // Small clouds of discs, and their points as the plain loops of definitions take them.
 
@@ -45,20 +44,20 @@ inline LoadedCloud disc_cloud(const std::vector<glm::dvec3>& points, Random& ran
 /// surfaces that are not.
 struct PlainPoints {
   explicit PlainPoints(const LoadedCloud& loaded)
-      : tree(loaded.octree.view()),
+      : layers(loaded.surfaces.view().layers),
         query{.radius = loaded.radius,
-              .measure = Measure::crossing,
               .spacing_factor = loaded.spacing_factor,
-              .discs = {.lone_radius = loaded.lone_radius}},
-        spacings(spacings_in_order(tree)) {
-    touch_all(tree);  // what is not met by a ray of the renderer first
+              .discs = DiscQuery{.lone_radius = loaded.lone_radius}},
+        spacings(spacings_by_id(loaded.octree)) {
+    loaded.surfaces.fit_all();  // what is not met by a ray of the renderer first
+    const TreeView& tree = loaded.octree.view();
     cloud.lattice = tree.lattice;
     cloud.positions = positions_in_order(tree);
     for (std::uint32_t index = 0; index < tree.point_count; ++index) ids.push_back(point_id(tree, index));
   }
 
-  const TreeView& tree;
-  const RayQuery query;
+  const PointLayers& layers;
+  const SurfaceQuery query;
   const std::vector<double> spacings;  ///< by id
   PointCloud cloud;
   std::vector<std::uint64_t> ids;  ///< by storage index
@@ -70,13 +69,13 @@ constexpr double k_sheet_cosine = 0.848;
 /// The first crossing by its definition (renderer/disc_tracer.h).
 inline std::optional<Hit> first_crossing(const PlainPoints& points, const Ray& ray,
                                          const SheetOrigin& origin) {
-  RayQuery query = points.query;
+  SurfaceQuery query = points.query;
   query.filter = [&](const Candidate& candidate) {
     return !candidate.disc || origin.reach == 0.0f ||
            !is_part_of_surface(*candidate.disc, ray.origin, origin.reach, origin.thickness) ||
            std::fabs(glm::dot(candidate.disc->normal, origin.normal)) < k_sheet_cosine;
   };
-  return brute_force::closest(points.cloud, ray, query, {points.spacings, &points.tree});
+  return brute_force::closest(points.cloud, ray, query, points.spacings, points.layers);
 }
 
 }  // namespace alidade::test

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "octree/distance.h"
+#include "surface/decide_point.h"
 #include "tests/renderer/disc_clouds.h"
 
 namespace alidade {
@@ -27,13 +28,13 @@ struct Blended {
 };
 std::optional<Blended> blended(const PlainPoints& points, const ColorColumn& colors, const Ray& ray,
                                const Hit& first) {
-  const PointSurface own = surface_of(points.tree, first.point_id);
+  const PointSurface own = surface_of(points.layers, first.point_id);
   if (!own.exists) return std::nullopt;
   const glm::dvec3 met = ray.origin + first.t * ray.direction;
   double sum = 0.0, t_sum = 0.0;
   glm::dvec3 color_sum(0.0);
   for (const std::uint64_t id : points.ids) {
-    const PointSurface surface = surface_of(points.tree, id);
+    const PointSurface surface = surface_of(points.layers, id);
     const double radius = own_radius(points.query, points.spacings[id]);
     const glm::dvec3 position = points.cloud.world(id);
     if (!surface.exists || distance(met, position) > radius) continue;
@@ -65,8 +66,7 @@ void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int leas
     const std::uint64_t id = random.below(points.cloud.size());
     const glm::dvec3 origin = leaves ? points.cloud.world(id) : glm::dvec3(2, 1, 1) + 4.0 * random.in_cube();
     rays.push_back(make_ray(origin, random.direction(), 0.0, i % 5 == 0 ? random.between(0.0, 6.0) : 1e9));
-    origins.push_back(leaves ? SheetOrigin{surface_of(cloud.octree.view(), id).normal, 0.3f, 0.02f}
-                             : SheetOrigin{});
+    origins.push_back(leaves ? SheetOrigin{cloud.surfaces.surface(id).normal, 0.3f, 0.02f} : SheetOrigin{});
   }
   std::vector<std::optional<DiscHit>> hits(rays.size());
   std::vector<std::uint8_t> blocked(rays.size());

@@ -70,7 +70,7 @@ TEST(PointRadius, without_a_limit_it_is_four_times_the_automatic_radius) {
   const LoadedCloud cloud = floor_with(adapted({}));
   EXPECT_EQ(cloud.radius, 4.0 * automatic_radius(cloud.octree));
   EXPECT_EQ(cloud.spacing_factor, 0.75);
-  EXPECT_EQ(cloud.octree.view().spacing_neighbours, 8);
+  EXPECT_EQ(cloud.octree.layers().spacing_neighbours, 8);
 }
 
 TEST(PointRadius, a_radius_for_all_needs_no_spacings) {
@@ -79,7 +79,7 @@ TEST(PointRadius, a_radius_for_all_needs_no_spacings) {
   const LoadedCloud cloud = floor_with(settings);
   EXPECT_EQ(cloud.radius, 0.3);
   EXPECT_EQ(cloud.spacing_factor, 0.0);
-  EXPECT_EQ(cloud.octree.view().spacings, nullptr);
+  EXPECT_EQ(cloud.octree.layers().spacings, nullptr);
   EXPECT_EQ(floor_with(CloudSettings{}).radius, automatic_radius(cloud.octree));
 }
 

@@ -7,7 +7,7 @@ import pathlib
 import re
 import sys
 
-ROOMS = ("base cloud octree mesh geo image camera renderer visibility compare database simulation jobs tools python").split()
+ROOMS = ("base cloud octree surface mesh geo image camera renderer visibility compare database simulation jobs tools python").split()
 
 # Each extension is a room of its own.
 ROOMS += sorted(str(folder) for folder in pathlib.Path("extensions").iterdir() if folder.is_dir())
@@ -28,10 +28,10 @@ WITHOUT_HEADER = {
     "database/sqlite/module.cpp": "the function that SQLite calls",
     "image/backend/openimageio.cpp": "the module that image/backend.cpp loads",
     "octree/simd/box_search.cpp": "search<Bounds> of octree/simd/search.h",
-    "octree/simd/enclosing_spheres.cpp": "octree/enclosing_spheres.h: all SIMD code is in simd/, what users include is not",
     "octree/simd/point_search.cpp": "search<glm::dvec3> of octree/simd/search.h",
     "octree/simd/ray_search.cpp": "search<Ray> of octree/simd/search.h",
     "python/module.cpp": "the function that Python calls",
+    "surface/simd/enclosing_spheres.cpp": "surface/surface_cloud.h: all SIMD code is in simd/, what users include is not",
     "python/python_images.cpp": "bindings, added by a function of python/python_cloud.h",
     "python/python_jobs.cpp": "python/python_cloud.h declares give()",
     "python/python_queries.cpp": "bindings, added by a function of python/python_cloud.h",

@@ -13,13 +13,14 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PICTURE = ROOT / "docs/images/rooms.svg"
 WORDS = {
     "base": "what every room needs", "cloud": "from file to points", "octree": "from points to hit",
+    "surface": "from points to surfaces",
     "mesh": "from triangles to hit", "geo": "where on Earth", "image": "pixels", "camera": "from pixel to ray", "simulation": "a known world",
     "renderer": "from scene to image", "visibility": "from observers to maps", "compare": "two images, a verdict",
     "database": "from SQL to rows", "jobs": "from request to result", "tools": "the program alidade",
     "python": "the module alidade", "extensions": "what the core can do without",
 }
 # From left to right where rooms stand side by side.
-COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "mesh", "image", "geo", "camera", "simulation", "cloud", "base", "jobs", "tools", "python", "extensions"]
+COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "surface", "mesh", "image", "geo", "camera", "simulation", "cloud", "base", "jobs", "tools", "python", "extensions"]
 WIDTH, HEIGHT, GAP, RISE = 176, 56, 20, 64
 
 

@@ -4,7 +4,7 @@
 # 600 lines.
 set -euo pipefail
 cd -- "$(dirname -- "$0")/../.."
-rooms=(base cloud octree mesh geo image camera renderer visibility compare database simulation jobs tools extensions)
+rooms=(base cloud octree surface mesh geo image camera renderer visibility compare database simulation jobs tools extensions)
 lengths=$(find "${rooms[@]}" \( -name '*.h' -o -name '*.cpp' \) ! -path '*/tests/*' -exec wc -l {} + | grep -v ' total$' | sort -rn)
 awk '{ split($2, path, "/"); files[path[1]]++; lines[path[1]] += $1; all += $1 }
      END { for (room in files) printf "  %-12s %4d files %6d lines\n", room, files[room], lines[room]

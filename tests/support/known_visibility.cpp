@@ -9,10 +9,11 @@
 #include <numbers>
 
 #include "octree/query.h"
-#include "octree/spacing.h"
 #include "octree/tree_walk.h"
 #include "simulation/courtyard.h"
+#include "surface/surface_cloud.h"
 #include "tests/support/random.h"
+#include "tests/support/spacings.h"
 
 namespace alidade::test {
 
@@ -202,7 +203,7 @@ std::vector<std::uint8_t> truth(const KnownScene& scene, const glm::dvec3& obser
 std::vector<std::uint8_t> near_boundary(const KnownScene& scene, const Octree& octree,
                                         const std::vector<std::uint8_t>& truth) {
   std::vector<std::uint8_t> near(scene.cloud.size());
-  const std::vector<double> spacings = spacings_in_order(octree.view());
+  const std::vector<double> spacings = spacings_by_id(octree);
   tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t id) {
     PointQuery query{.radius = 2.0 * spacings[id], .k = 1};
     query.filter = [&](const Candidate& other) { return truth[other.point_id] != truth[id]; };
@@ -215,14 +216,15 @@ std::vector<std::uint8_t> near_boundary_or_edge(const KnownScene& scene, const O
                                                 const std::vector<std::uint8_t>& truth,
                                                 const glm::dvec3& observer, std::size_t step) {
   std::vector<std::uint8_t> near = near_boundary(scene, octree, truth);
+  const SurfaceCloud spheres = SurfaceCloud::of_spheres(octree);
   constexpr double k_two_radii = 2.0 * 0.92;
   tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t id) {
     if (id % step != 0) near[id] = 1;
     if (near[id] || !truth[id]) return;
     const Ray line = exact_line(scene, id, observer);
-    RayQuery query{.measure = Measure::t, .spacing_factor = k_two_radii};
+    SurfaceQuery query{.spacing_factor = k_two_radii, .measure = Measure::t};
     query.filter = [&](const Candidate& candidate) { return passes_edge(scene, line, candidate); };
-    near[id] = occluded(octree, line, query) ? 1 : 0;
+    near[id] = occluded(spheres, line, query) ? 1 : 0;
   });
   return near;
 }

@@ -26,29 +26,28 @@ Measure some_measure(Random& random, bool with_entry) {
 template <class Target, class Query>
 void add_filter(QueryCase<Target, Query>& c, const Positions& positions, Random& random) {
   const double middle = positions.bounds().center().x, near = positions.spacing();
-  CandidateFilter* of_position = &c.query.filter;
-  if constexpr (requires { c.query.position_filter; }) of_position = &c.query.position_filter;
+  CandidateFilter& filter = c.query.filter;
   switch (random.below(10)) {
     case 0:
       c.filter = "every third id";
-      c.query.filter = [](const Candidate& point) { return point.point_id % 3 == 0; };
+      filter.of_point = [](const Candidate& point) { return point.point_id % 3 == 0; };
       break;
     case 1:
       c.filter = "no point";
-      c.query.filter = [](const Candidate&) { return false; };
+      filter.of_point = [](const Candidate&) { return false; };
       break;
     case 2:
       c.filter = "the lower half in x";
-      *of_position = [middle](const Candidate& point) { return point.position.x < middle; };
+      filter.of_position = [middle](const Candidate& point) { return point.position.x < middle; };
       break;
     case 3:
       c.filter = "distances above half a spacing";
-      c.query.filter = [near](const Candidate& point) { return point.distance > 0.5 * near; };
+      filter.of_point = [near](const Candidate& point) { return point.distance > 0.5 * near; };
       break;
     case 4:
       c.filter = "t above a spacing, not every third id";
-      c.query.filter = [](const Candidate& point) { return point.point_id % 3 != 0; };
-      *of_position = [near](const Candidate& point) { return point.t > near; };
+      filter.of_point = [](const Candidate& point) { return point.point_id % 3 != 0; };
+      filter.of_position = [near](const Candidate& point) { return point.t > near; };
       break;
     default:
       break;

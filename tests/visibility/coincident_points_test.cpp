@@ -9,9 +9,10 @@
 #include <tuple>
 #include <vector>
 
-#include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/spacing.h"
+#include "tests/support/spacings.h"
+#include "tests/visibility/plain_hits.h"
 #include "tests/visibility/point_clusters.h"
 #include "visibility/crossing.h"
 #include "visibility/sky/sky_of_cloud.h"
@@ -46,14 +47,12 @@ std::vector<SightLine> lines_of(const Occluders& occluders, const PointCloud& cl
 std::optional<std::uint64_t> blocker_of(const Occluders& occluders, const PointCloud& cloud,
                                         const std::vector<double>& spacings, const SightLine& line) {
   std::vector<std::tuple<double, std::uint64_t, double>> crossings;
-  RayQuery query = query_of(occluders);
-  query.filter = [&](const Candidate& candidate) {
-    const std::optional<double> met = crossing(occluders, line, candidate);
-    if (met) crossings.emplace_back(*met, candidate.point_id, 2.0 * width_of(occluders, candidate));
-    return met.has_value();
-  };
   const std::vector<Hit> found =
-      brute_force::find(cloud, ray_of(occluders, line), query, {spacings, &occluders.octree().view()});
+      test::plain_hits(occluders, cloud, spacings, line, [&](const Candidate& candidate) {
+        const std::optional<double> met = crossing(occluders, line, candidate);
+        if (met) crossings.emplace_back(*met, candidate.point_id, 2.0 * width_of(occluders, candidate));
+        return met.has_value();
+      });
   if (occluders.options().transparency == 1)
     return found.empty() ? std::nullopt : std::optional(found.front().point_id);
   std::ranges::sort(crossings);
@@ -70,7 +69,7 @@ std::optional<std::uint64_t> blocker_of(const Occluders& occluders, const PointC
 TEST(CoincidentPoints, block_as_a_look_at_every_point_finds) {
   const PointCloud cloud = site_with_clusters(300);
   const Octree octree = with_spacings(build(cloud), k_surface_neighbours);
-  const std::vector<double> spacings = spacings_in_order(octree.view());
+  const std::vector<double> spacings = test::spacings_by_id(octree);
   const std::vector<OccluderOptions> all = {
       {},
       {.radius = 0.2},

@@ -9,10 +9,11 @@
 #include <tuple>
 #include <vector>
 
-#include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/spacing.h"
 #include "tests/support/random.h"
+#include "tests/support/spacings.h"
+#include "tests/visibility/plain_hits.h"
 #include "tests/visibility/sampled_shapes.h"
 
 namespace alidade {
@@ -81,8 +82,7 @@ std::optional<Blocker> separate_blocker(const Occluders& occluders, const PointC
                                         std::size_t line) {
   std::map<std::uint64_t, std::pair<double, double>> of_points;  // distance and diameter
   for (std::size_t chord = lines.begin[line]; chord < lines.begin[line + 1]; ++chord) {
-    RayQuery query = query_of(occluders);
-    query.filter = [&](const Candidate& candidate) {
+    const auto collect = [&](const Candidate& candidate) {
       const std::optional<double> met = crossing(occluders, lines.chords[chord], candidate);
       if (!met) return false;
       const std::pair crossed(lines.starts[chord] + *met, 2.0 * width_of(occluders, candidate));
@@ -90,8 +90,7 @@ std::optional<Blocker> separate_blocker(const Occluders& occluders, const PointC
       if (!is_new && crossed.first < known->second.first) known->second = crossed;
       return true;
     };
-    (void)brute_force::count(cloud, ray_of(occluders, lines.chords[chord]), query,
-                             {spacings, &occluders.octree().view()});
+    (void)test::plain_hits(occluders, cloud, spacings, lines.chords[chord], collect);
   }
   std::vector<std::tuple<double, std::uint64_t, double>> crossings;
   for (const auto& [id, crossed] : of_points) crossings.emplace_back(crossed.first, id, crossed.second);
@@ -109,7 +108,7 @@ std::optional<Blocker> separate_blocker(const Occluders& occluders, const PointC
 TEST(SeparateCrossings, are_those_that_a_look_at_every_point_finds) {
   const PointCloud cloud = thicket();
   const Octree octree = with_spacings(build(cloud), k_surface_neighbours);
-  const std::vector<double> spacings = spacings_in_order(octree.view());
+  const std::vector<double> spacings = test::spacings_by_id(octree);
   std::ptrdiff_t blocked = 0, lines_in_all = 0;
   for (const auto& [shape, radius] : {std::pair<OccluderShape, std::optional<double>>{},
                                       {OccluderShape::disc, {}},

@@ -8,10 +8,11 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/spacing.h"
 #include "tests/support/random.h"
+#include "tests/support/spacings.h"
+#include "tests/visibility/plain_hits.h"
 #include "visibility/crossing.h"
 
 namespace alidade {
@@ -55,12 +56,11 @@ PointCloud garden() {
 
 /// The definition: all points that block, in the order in which the line meets them.
 std::vector<Hit> all_blockers(const Occluders& occluders, const PointCloud& cloud, const SightLine& line) {
-  const TreeView& tree = occluders.octree().view();
-  RayQuery query = query_of(occluders);
-  query.filter = [&](const Candidate& candidate) { return crossing(occluders, line, candidate).has_value(); };
   const std::vector<double> spacings =
-      query.spacing_factor > 0.0 ? spacings_in_order(tree) : std::vector<double>();
-  return brute_force::find(cloud, ray_of(occluders, line), query, {spacings, &tree});
+      occluders.options().radius ? std::vector<double>() : test::spacings_by_id(occluders.octree());
+  return test::plain_hits(occluders, cloud, spacings, line, [&](const Candidate& candidate) {
+    return crossing(occluders, line, candidate).has_value();
+  });
 }
 
 std::vector<SightLine> random_lines(const Occluders& occluders, const PointCloud& cloud, std::size_t count) {
@@ -224,7 +224,7 @@ TEST(SightLine, to_a_point_without_a_surface_is_not_blocked_by_what_is_beside_it
       sight_line({k_corner + glm::dvec3(0, 2, 2)}, {.position = k_corner + glm::dvec3(2.05, 2, 2)});
   const auto blocker = first_blocker(occluders, line);
   ASSERT_TRUE(blocker);
-  const double spacing = spacings_in_order(occluders.octree().view())[blocker->point_id];
+  const double spacing = test::spacings_by_id(occluders.octree())[blocker->point_id];
   const auto blocked_before = [&](double radii) {
     const double behind = radii * candidate_radius(occluders, spacing);
     const SightEnd lone{.position = k_corner + glm::dvec3(2.0 + behind, 2, 2), .is_lone = true};

@@ -33,8 +33,9 @@ class NearLines::Reaches {
     constexpr double k_more = 1.0 + 1e-6, k_less = 1.0 - 1e-6;
     const OccluderOptions& options = occluders_.options();
     if (options.counts && !options.counts(point.point_id)) return {};
-    const TreeView& tree = occluders_.octree().view();
-    const double radius = candidate_radius(occluders_, options.radius ? 0.0 : spacing_at(tree, point.index));
+    const PointLayers& layers = occluders_.octree().layers();
+    const double radius =
+        candidate_radius(occluders_, options.radius ? 0.0 : spacing_at(layers, point.index));
     const PointSurface surface = occluders_.surface(point.point_id);
     if (!surface.exists) {
       const double sphere = sphere_of(occluders_, radius);

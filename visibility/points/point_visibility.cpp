@@ -14,6 +14,7 @@
 #include "base/exact_math.h"
 #include "base/huge_memory.h"
 #include "base/parallel.h"
+#include "octree/spacing.h"
 #include "visibility/point_blocks.h"
 
 namespace alidade::visibility {
@@ -133,7 +134,8 @@ class View {
     if (!surface.exists && target.position != observer_.position)
       normal = glm::normalize(target.position - observer_.position);
     double radius = occluders_.largest_radius();
-    if (tree_.spacings != nullptr) radius = std::min(radius, spacing_at(tree_, target.index) / 3.0);
+    const PointLayers& layers = occluders_.octree().layers();
+    if (layers.spacings != nullptr) radius = std::min(radius, spacing_at(layers, target.index) / 3.0);
     const glm::dvec3 first = glm::normalize(across(normal)), second = glm::cross(normal, first);
     end.position += radius * (by.x * first + by.y * second);
     end.own_reach += radius;

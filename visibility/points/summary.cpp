@@ -13,8 +13,8 @@
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "geo/earth.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "surface/point_surface.h"
 #include "visibility/crossing.h"
 #include "visibility/horizon/horizon.h"
 #include "visibility/point_blocks.h"
@@ -118,7 +118,7 @@ class Summarizer {
 
  private:
   double area_of(std::uint32_t index) const {
-    return area_of_point(std::min(spacing_at(octree_.view(), index), widest_));
+    return area_of_point(std::min(spacing_at(octree_.layers(), index), widest_));
   }
 
   std::size_t band_of(double distance) const {

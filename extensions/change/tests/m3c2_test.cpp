@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "octree/local_plane.h"
+#include "surface/local_plane.h"
 #include "tests/support/random.h"
 #include "tests/visibility/sampled_shapes.h"
 

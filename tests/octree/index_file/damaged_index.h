@@ -8,10 +8,11 @@
 #include "octree/index_file/index_file.h"
 #include "octree/index_file/index_header.h"
 #include "octree/index_file/save_index.h"
-#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
+#include "surface/point_surface.h"
+#include "surface/surface_cloud.h"
 #include "tests/octree/index_file/index_test_support.h"
 #include "tests/support/point_families.h"
 #include "tests/support/seal_index.h"
@@ -70,15 +71,18 @@ inline void use(const IndexFile& index) {
     if (!columns.colors.empty()) sum += columns.colors[hit->point_id].x;
     if (!columns.normals.empty()) sum += columns.normals[hit->point_id].x > 0;
   };
-  const bool has_spacings = octree.view().spacings != nullptr;
+  const PointLayers& layers = octree.layers();
+  const bool has_spacings = layers.spacings != nullptr;
+  const SurfaceCloud spheres = has_spacings ? SurfaceCloud::of_spheres(octree) : SurfaceCloud();
   std::vector<Ray> rays;
   for (int i = 0; i < 6; ++i) rays.push_back(make_ray(30.0 * random.in_cube(), random.direction()));
   for (const Ray& ray : rays) {
     for (const Measure measure : {Measure::t, Measure::entry})
       look_up(closest(octree, ray, {.radius = 0.3, .measure = measure}));
     if (has_spacings) {
-      look_up(closest(octree, ray, {.radius = 0.3, .spacing_factor = 0.5}));
-      sum += count(octree, ray, {.radius = 3.0, .spacing_factor = 2.0});
+      look_up(closest(spheres, ray, {.radius = 0.3, .spacing_factor = 0.5}));
+      look_up(closest(spheres, ray, {.radius = 3.0, .spacing_factor = 2.0}));
+      sum += occluded(spheres, ray, {.radius = 3.0, .spacing_factor = 2.0});
     }
     for (const Hit& hit : find(octree, ray, {.radius = 5.0, .measure = Measure::distance, .k = 4}))
       look_up(hit);
@@ -90,14 +94,14 @@ inline void use(const IndexFile& index) {
   closest(octree, rays, {.radius = 1.0}, hits);
   for (const std::optional<Hit>& hit : hits) look_up(hit);
   if (has_spacings) {
-    closest(octree, rays, {.radius = 1.0, .spacing_factor = 1.0}, hits);
+    closest(spheres, rays, {.radius = 1.0, .spacing_factor = 1.0}, hits);
     for (const std::optional<Hit>& hit : hits) look_up(hit);
   }
-  if (octree.view().surfaces) {
+  if (layers.surfaces != nullptr) {
     for (std::uint64_t id = 0; id < octree.size(); ++id) {
-      const glm::dvec3 normal = surface_of(octree.view(), id).normal;
+      const glm::dvec3 normal = surface_of(layers, id).normal;
       ASSERT_NEAR(glm::length(normal), 1.0, 1e-9);
-      ASSERT_GT(edge_of(octree.view(), id, normal).distance, 0.0);
+      ASSERT_GT(edge_of(layers, id, normal).distance, 0.0);
     }
   }
   Bounds box, everywhere;

@@ -8,14 +8,17 @@
 
 #include "cloud/read_cloud.h"
 #include "octree/index_file/save_index.h"
-#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
+#include "surface/point_surface.h"
+#include "surface/surface_cloud.h"
 #include "tests/cloud/las/las_builder.h"
 #include "tests/octree/index_file/index_test_support.h"
 #include "tests/support/point_families.h"
 #include "tests/support/ray_families.h"
+#include "tests/support/spacings.h"
+#include "tests/surface/surface_cases.h"
 
 namespace alidade {
 namespace {
@@ -89,15 +92,16 @@ TEST(IndexFile, gives_back_the_spacings_of_every_family) {
     const IndexFile index = open_index(path);
     EXPECT_NO_THROW(index.verify());
     const Octree opened = index.octree();
-    EXPECT_EQ(opened.view().spacing_neighbours, octree.view().spacing_neighbours);
+    EXPECT_EQ(opened.layers().spacing_neighbours, octree.layers().spacing_neighbours);
     if (octree.size() == 0) continue;
-    EXPECT_EQ(spacings_in_order(opened.view()), spacings_in_order(octree.view()));
-    EXPECT_EQ(with_spacings(opened, 8).view().spacings, opened.view().spacings)
+    EXPECT_EQ(test::spacings_by_id(opened), test::spacings_by_id(octree));
+    EXPECT_EQ(with_spacings(opened, 8).layers().spacings, opened.layers().spacings)
         << "nothing is measured again";
-    for (const test::RayCase& ray_case : test::ray_cases(family.cloud, 20, random)) {
-      RayQuery query = ray_case.query;
-      query.spacing_factor = 1.0;
-      EXPECT_EQ(closest(opened, ray_case.ray, query), closest(octree, ray_case.ray, query));
+    const SurfaceCloud spheres = SurfaceCloud::of_spheres(octree),
+                       opened_spheres = SurfaceCloud::of_spheres(opened);
+    for (const auto& [ray, query] : test::ray_cases(family.cloud, 20, random)) {
+      const SurfaceQuery own = test::with_own_radii(query, 1.0);
+      EXPECT_EQ(closest(opened_spheres, ray, own), closest(spheres, ray, own));
     }
   }
 }
@@ -113,12 +117,11 @@ TEST(IndexFile, gives_back_the_surfaces_of_every_family) {
     const Octree opened = index.octree();
     EXPECT_EQ(opened.memory(), octree.memory());
     if (octree.size() == 0) continue;
-    EXPECT_EQ(opened.view().surface_unit, octree.view().surface_unit);
-    EXPECT_TRUE(
-        std::equal(octree.view().surfaces, octree.view().surfaces + octree.size(), opened.view().surfaces));
-    EXPECT_TRUE(std::equal(octree.view().sheet_edges, octree.view().sheet_edges + octree.size(),
-                           opened.view().sheet_edges));
-    EXPECT_EQ(with_surfaces(opened).view().surfaces, opened.view().surfaces) << "nothing is fitted again";
+    const PointLayers &found = opened.layers(), &expected = octree.layers();
+    EXPECT_EQ(found.surface_unit, expected.surface_unit);
+    EXPECT_TRUE(std::equal(expected.surfaces, expected.surfaces + octree.size(), found.surfaces));
+    EXPECT_TRUE(std::equal(expected.sheet_edges, expected.sheet_edges + octree.size(), found.sheet_edges));
+    EXPECT_EQ(with_surfaces(opened).layers().surfaces, found.surfaces) << "nothing is fitted again";
   }
 }
 

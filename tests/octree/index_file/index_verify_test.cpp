@@ -145,11 +145,11 @@ TEST(IndexVerify, a_point_in_two_leaves_of_a_tree_without_ids) {
   tree.bounds.grow(glm::dvec3(0.0));
   tree.nodes = nodes;
   tree.coordinates = coordinates.data();
-  const auto fault = find_misplaced_point(tree);
+  const auto fault = find_misplaced_point(tree, {});
   ASSERT_TRUE(fault);
   EXPECT_EQ(fault->problem, "storage index 0 is in two leaves");
   nodes[1].first_point = 1;
-  EXPECT_FALSE(find_misplaced_point(tree));
+  EXPECT_FALSE(find_misplaced_point(tree, {}));
 }
 
 TEST(IndexVerify, a_box_of_any_child_beyond_the_box_of_its_parent) {
@@ -169,13 +169,13 @@ TEST(IndexVerify, a_box_of_any_child_beyond_the_box_of_its_parent) {
   tree.bounds.grow(glm::dvec3(5.0));
   tree.nodes = nodes;
   tree.coordinates = coordinates.data();
-  EXPECT_FALSE(find_misplaced_point(tree));
+  EXPECT_FALSE(find_misplaced_point(tree, {}));
   for (int slot = 0; slot < k_node_width; ++slot) {
     for (int axis = 0; axis < 3; ++axis) {
       for (std::uint8_t* const side : {&nodes[1].low[axis][slot], &nodes[1].high[axis][slot]}) {
         const std::uint8_t sound = *side;
         *side = sound == 1 ? 0 : 10;
-        const auto fault = find_misplaced_point(tree);
+        const auto fault = find_misplaced_point(tree, {});
         ASSERT_TRUE(fault) << slot << " " << axis;
         EXPECT_EQ(fault->problem, "its box in slot 0 does not contain the boxes of its child");
         *side = sound;

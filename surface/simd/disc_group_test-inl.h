@@ -7,8 +7,8 @@
 #define ALIDADE_SIMD_DISC_GROUP_TEST_INL_H
 #endif
 
-#include "octree/simd/disc_test-inl.h"
 #include "octree/simd/leaf_group_test-inl.h"
+#include "surface/simd/own_points-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE {
 template <bool any>
 class DiscGroupTest {
  public:
-  using Single = LeafTest<Measure::crossing, any, Radii::own>;
+  using Single = LeafTest<Discs, any>;
 
   /// The first `count` points of a leaf.
   DiscGroupTest(const QuerySetup& setup, const Single& single, const Leaf& leaf, std::uint32_t count,
@@ -33,10 +33,10 @@ class DiscGroupTest {
         hn::Store(
             hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, frame.scale[axis])), d,
             points_[axis] + i);
-      const auto radius = single.own_radii().above(d, setup.tree.spacings + leaf.first + i);
+      const auto radius = single.points().radii(d, leaf.first + i);
       hn::Store(radius, d, radius_ + i);
-      hn::Store(OwnRadii::outer_sq(d, radius, error), d, outer_sq_ + i);
-      hn::Store(OwnRadii::inner_sq(d, radius, error), d, inner_sq_ + i);
+      hn::Store(SquaredRadius::outer(d, radius, error), d, outer_sq_ + i);
+      hn::Store(SquaredRadius::inner(d, radius, error), d, inner_sq_ + i);
     }
   }
 
@@ -95,11 +95,11 @@ class DiscGroupTest {
           hn::Set(d, outer_sq_[i]), hn::Set(d, inner_sq_[i]), hn::Set(d, radius_[i])};
       const bool is_disc = (exists_ >> i & 1u) != 0, is_amid = (amid_ >> i & 1u) != 0;
       const Crossings met =
-          is_disc ? single_.disc_test().of_discs(
+          is_disc ? single_.points().test().of_discs(
                         {hn::Set(d, planes_[0][i]), hn::Set(d, planes_[1][i]), hn::Set(d, planes_[2][i]),
                          hn::Set(d, planes_[3][i]), hn::Set(d, planes_[4][i])},
                         hn::FirstN(d, is_amid ? hn::Lanes(d) : 0), near, at_discs)
-                  : single_.disc_test().of_spheres(near);
+                  : single_.points().test().of_spheres(near);
       const auto counts = hn::And(hn::And(is_near(i, t, distance_sq), hn::Le(met.low, met.high)),
                                   hn::And(hn::Le(met.low, before), hn::Ge(met.high, after)));
       hn::Store(hn::IfThenElse(counts, met.low, none), d, lows[i]);
@@ -151,10 +151,10 @@ class DiscGroupTest {
   void load_sheets() {
     if (has_sheets_) return;
     has_sheets_ = true;
-    touch(setup_.tree, leaf_);
+    single_.points().touch(leaf_);
     const PointLanes d;
     for (std::uint32_t i = 0; i < count_; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
-      const auto [planes, exists, is_amid] = single_.disc_test().sheets(leaf_.first + i, count_ - i);
+      const auto [planes, exists, is_amid] = single_.points().test().sheets(leaf_.first + i, count_ - i);
       hn::Store(planes.x, d, planes_[0] + i);
       hn::Store(planes.y, d, planes_[1] + i);
       hn::Store(planes.z, d, planes_[2] + i);
@@ -171,10 +171,11 @@ class DiscGroupTest {
     at_discs.along[0] = group.direction_x;
     at_discs.along[1] = group.direction_y;
     at_discs.along[2] = group.direction_z;
-    if (setup_.query.discs.begins.empty()) return at_discs;
+    const SurfaceQuery& query = single_.points().query();
+    if (query.discs->begins.empty()) return at_discs;
     alignas(64) float columns[7][k_most_lanes] = {};
     for (std::size_t row = 0; row < rows; ++row) {
-      const LeftSheet left(batch[rays[row]], setup_.query, t_near[row], frame_.error);
+      const LeftSheet left(batch[rays[row]], query, t_near[row], frame_.error);
       if (!left.is_near) continue;
       at_discs.leave_near_sheets = true;
       columns[0][row] = 1.0f;

@@ -6,15 +6,15 @@
 
 #include "octree/octree.h"
 #include "octree/tree_walk.h"
+#include "surface/surface_cloud.h"
 
 namespace alidade {
 
-/// Fits the surfaces of leaves when they are first needed (with_surfaces_on_demand() in
-/// octree/point_surface.h). Safe to use from many threads: whatever touches a leaf first, its surfaces are
-/// the same.
+/// Fits the surfaces of leaves when they are first needed. Safe to use from many threads: whatever touches a
+/// leaf first, its surfaces are the same.
 class LeafFitter {
  public:
-  /// TreeView::stored_edges of the first point of a leaf that was not touched, and of one that is being
+  /// SurfaceView::stored_edges of the first point of a leaf that was not touched, and of one that is being
   /// fitted. No edge has these values.
   static constexpr std::uint8_t k_untouched = 1, k_begun = 2;
 
@@ -46,11 +46,8 @@ class LeafFitter {
 };
 
 /// Before surfaces of a leaf's points are read.
-inline void touch(const TreeView& tree, const Leaf& leaf) {
-  if (tree.fitter != nullptr) tree.fitter->touch(leaf);
-}
-inline void touch_all(const TreeView& tree, const Progress& progress = {}) {
-  if (tree.fitter != nullptr) tree.fitter->touch_all(progress);
+inline void touch(const SurfaceView& view, const Leaf& leaf) {
+  if (view.fitter != nullptr) view.fitter->touch(leaf);
 }
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/local_plane.h"
+#include "surface/local_plane.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "octree/build.h"
-#include "octree/simd/moments.h"
+#include "surface/simd/moments.h"
 #include "tests/support/octrees.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"

@@ -7,9 +7,11 @@
 #define ALIDADE_SIMD_DISC_TEST_INL_H
 #endif
 
-#include "octree/packed_surface.h"
 #include "octree/simd/lanes-inl.h"
 #include "octree/simd/ray_state.h"
+#include "surface/packed_surface.h"
+#include "surface/point_disc.h"
+#include "surface/surface_cloud.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
@@ -40,9 +42,9 @@ struct LeftSheet {
   float normal[3] = {}, reach = 0.0f, thickness = 0.0f;
   float way = 0.0f;
 
-  LeftSheet(const ActiveRay& ray, const RayQuery& query, double start, double error) {
-    if (query.discs.begins.empty()) return;
-    const SheetOrigin& begin = query.discs.begins[ray.query_index];
+  LeftSheet(const ActiveRay& ray, const SurfaceQuery& query, double start, double error) {
+    if (query.discs->begins.empty()) return;
+    const SheetOrigin& begin = query.discs->begins[ray.query_index];
     if (!(begin.reach > 0.0f)) return;
     // The spheres around points that count lie in the leaf's box, widened: no point is nearer than `there`.
     const double there = start + ray.state.shift;
@@ -92,7 +94,7 @@ struct PointSheets {
 };
 
 /// Where rays cross the discs of points, and enter the spheres of those without a sheet
-/// (evaluate_crossing()).
+/// (evaluate_disc()).
 ///
 /// With the normal m, not yet of length 1, the height h and the direction d:
 ///
@@ -104,15 +106,12 @@ struct PointSheets {
 /// that the sphere admits.
 class DiscTest {
  public:
-  explicit DiscTest(const QuerySetup& setup)
-      : surfaces_(setup.tree.stored_surfaces),
-        edges_(setup.tree.stored_edges),
-        unit_(static_cast<float>(setup.tree.surface_unit)),
-        lone_share_(
-            setup.query.spacing_factor > 0.0
-                ? float_above(std::min(setup.query.discs.lone_factor / setup.query.spacing_factor, 1.0))
-                : 0.0f),
-        lone_radius_(float_above(std::min(setup.query.discs.lone_radius, setup.query.radius))) {}
+  DiscTest(const SurfaceView& view, const SurfaceQuery& query)
+      : surfaces_(view.stored_surfaces),
+        edges_(view.stored_edges),
+        unit_(static_cast<float>(view.layers.surface_unit)),
+        lone_share_(float_above(std::min(query.discs->lone_factor / query.spacing_factor, 1.0))),
+        lone_radius_(float_above(std::min(query.discs->lone_radius, query.radius))) {}
 
   /// The points from this storage index on; lanes from `count` on are not used.
   HWY_INLINE PointSheets sheets(std::uint32_t index, std::size_t count) const {
@@ -193,7 +192,7 @@ class DiscTest {
         hn::Sub(hn::Mul(hn::Mul(lone_outer, lone_outer), hn::Set(d, k_up)), points.distance_sq);
     const auto meets_lone = hn::Ge(lone_chord_sq, zero);
     const V lone_low = hn::Sub(hn::Sub(points.t, points.error), hn::Sqrt(hn::Max(lone_chord_sq, zero)));
-    const V lone_inner_sq = OwnRadii::inner_sq(d, lone, points.error);
+    const V lone_inner_sq = SquaredRadius::inner(d, lone, points.error);
     const V lone_high = hn::Sub(hn::Add(points.t, points.error),
                                 hn::Sqrt(hn::Max(hn::Sub(lone_inner_sq, points.distance_sq), zero)));
     const auto is_lone_sure =
@@ -232,10 +231,10 @@ class DiscTest {
     const V offset_sq = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
     const V widest =
         hn::Max(rays.reach, hn::Mul(points.radius, hn::Set(d, static_cast<float>(k_part_radii))));
-    const V outer_sq = OwnRadii::outer_sq(d, hn::Mul(widest, hn::Set(d, k_up)), hn::Add(error, error));
+    const V outer_sq = SquaredRadius::outer(d, hn::Mul(widest, hn::Set(d, k_up)), hn::Add(error, error));
     const DiscMask may_be_near = hn::And(rays.is_near, hn::Le(offset_sq, outer_sq));
     if (hn::AllFalse(d, may_be_near)) return;
-    const V inner_sq = OwnRadii::inner_sq(d, widest, hn::Add(error, error));
+    const V inner_sq = SquaredRadius::inner(d, widest, hn::Add(error, error));
 
     const V alike = hn::Abs(planes.dot(rays.normal[0], rays.normal[1], rays.normal[2]));
     const V least = hn::Mul(planes.length, hn::Set(d, static_cast<float>(k_same_sheet_cosine))),

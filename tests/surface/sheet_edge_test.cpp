@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/point_surface.h"
+#include "surface/point_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 #include "octree/build.h"
 #include "octree/spacing.h"
 #include "tests/support/random.h"
+#include "tests/support/spacings.h"
 
 namespace alidade {
 namespace {
@@ -25,7 +26,7 @@ PointCloud cloud_of(const std::vector<glm::dvec3>& positions) {
 }
 
 SheetEdge edge_of_point(const Octree& octree, std::size_t id) {
-  return edge_of(octree.view(), id, surface_of(octree.view(), id).normal);
+  return edge_of(octree.layers(), id, surface_of(octree.layers(), id).normal);
 }
 
 TEST(SheetEdge, is_where_a_sheet_ends) {
@@ -42,7 +43,7 @@ TEST(SheetEdge, is_where_a_sheet_ends) {
   }
   const PointCloud cloud = cloud_of(positions);
   const Octree octree = with_surfaces(with_spacings(build(cloud), 8));
-  const std::vector<double> spacings = spacings_in_order(octree.view());
+  const std::vector<double> spacings = test::spacings_by_id(octree);
   int near = 0, found = 0, straight = 0, far = 0, far_found = 0;
   double error = 0.0;
   for (std::size_t id = 0; id < positions.size(); ++id) {

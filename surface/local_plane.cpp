@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "octree/local_plane.h"
+#include "surface/local_plane.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
-#include "octree/simd/moments.h"
+#include "surface/simd/moments.h"
 
 namespace alidade {
 namespace {

@@ -14,7 +14,7 @@ namespace alidade {
 // The surface that each point of a cloud was measured on: what makes discs of points.
 //
 //   const Octree octree = with_surfaces(with_spacings(build(cloud), 8));
-//   const PointSurface surface = surface_of(octree.view(), hit.point_id);
+//   const PointSurface surface = surface_of(octree.layers(), hit.point_id);
 
 /// The sheet of points that a point belongs to. Two sheets close together, such as both sides of a thin
 /// plate, are distinguished where points keep nearer to their sheet than an eighth of what lies between them.
@@ -44,31 +44,18 @@ inline double area_of_point(double spacing) {
 /// than 4 times the automatic radius (octree/spacing.h) have one only where a sheet within 2.5 spacings is
 /// thinner than 0.07 of a spacing.
 ///
-/// How: a plane is fitted (octree/local_plane.h) to the points within 2.5 spacings; where these are no
+/// How: a plane is fitted (surface/local_plane.h) to the points within 2.5 spacings; where these are no
 /// surface, within 1.5, 1.1 (another surface is near) and 5 (noise is as large as the spacing). Two sheets
 /// are two values of the heights above that plane: their coefficient of bimodality is near 1 (SAS/STAT User's
 /// Guide, The CLUSTER Procedure).
 Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 
-/// This octree, ready for queries of Measure::crossing: they fit the surfaces of the leaves whose points they
-/// examine, each leaf once. The answers are those of with_discs(with_surfaces()). surface_of() and edge_of()
-/// of a point require that a query has answered with it or that with_surfaces() has made the octree complete.
-/// An octree that has surfaces keeps them. Requires spacings. Cost: that of with_surfaces() per point of
-/// these leaves, within the queries; 10 B per point.
-Octree with_surfaces_on_demand(const Octree& octree);
-
 /// The surface of a point: normals are good to 0.14 degrees, heights to 19 %, thicknesses are rounded up by
 /// at most 41 %. All queries that take discs take these rounded values. Requires surfaces.
-PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
+PointSurface surface_of(const PointLayers& layers, std::uint64_t point_id);
 
-/// This octree, ready for queries of Measure::crossing: its surfaces also in the order of the storage
-/// indices, and, out of a mapped file, coordinates and spacings on huge pages if there is room for them.
-/// Requires surfaces. Cost: as fast as memory, or the disk of a mapped file, delivers; 5 B per point, of a
-/// mapped file 13 B.
-Octree with_discs(const Octree& octree);
-
-/// surface_of() the point at a storage index. Requires with_discs(), or a query that has examined its leaf.
-PointSurface surface_at(const TreeView& tree, std::uint32_t index);
+/// A surface as it is stored (surface/packed_surface.h). unit: PointLayers::surface_unit, metres.
+PointSurface unpack_surface(std::uint32_t packed, double unit);
 
 // Where the sheet of points that a point belongs to ends beside it: at the edge of a roof, or where the
 // scanner's shadow begins. There a disc around the point would reach out into the air.
@@ -85,8 +72,8 @@ struct SheetEdge {
 SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal);
 
 /// The edge beside a point. Requires surfaces.
-inline SheetEdge edge_of(const TreeView& tree, std::uint64_t point_id, const glm::dvec3& normal) {
-  return unpack_edge(tree.sheet_edges[point_id], normal);
+inline SheetEdge edge_of(const PointLayers& layers, std::uint64_t point_id, const glm::dvec3& normal) {
+  return unpack_edge(layers.sheet_edges[point_id], normal);
 }
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/point_disc.h"
+#include "surface/point_disc.h"
 
 #include <gtest/gtest.h>
 

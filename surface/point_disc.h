@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
-#include "octree/point_surface.h"
-#include "octree/query.h"
+#include "surface/point_surface.h"
+#include "surface/surface_cloud.h"
 
 // The disc that rays and lines of sight meet in place of a point of a sheet. It lies on the plane of the
 // sheet, within the radius of the point, and is cut off where the sheet ends.

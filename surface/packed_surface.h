@@ -28,7 +28,7 @@ inline glm::dvec3 unpack_normal(const glm::uvec2& packed, double steps) {
   return glm::normalize(glm::dvec3(x, y, 1.0 - std::fabs(x) - std::fabs(y)));
 }
 
-// The surface of a point (octree/point_surface.h) in 32 bits: one for "exists", 10 + 10 for the normal, sign
+// The surface of a point (surface/point_surface.h) in 32 bits: one for "exists", 10 + 10 for the normal, sign
 // and 5 for the height, 5 for the thickness.
 
 namespace packed_surface {
@@ -41,7 +41,7 @@ constexpr double k_normal_error = 2.44948974278318 / k_side_steps;
 constexpr std::uint32_t k_exists = 0x80000000u, k_side_mask = 0x3ffu, k_below = 0x400u, k_length_mask = 31u;
 constexpr int k_first_side = 21, k_second_side = 11, k_height = 5;  ///< the lowest bit of each
 
-/// Lengths that five bits represent, in units of TreeView::surface_unit: 0, then from 2^-13 up to 4 by
+/// Lengths that five bits represent, in units of PointLayers::surface_unit: 0, then from 2^-13 up to 4 by
 /// factors of the root of 2. Heights are stored as the nearest one, thicknesses as the least that is not
 /// smaller.
 constexpr double k_greatest_length = 4.0, k_root_of_half = 0.70710678118654752;
@@ -54,6 +54,30 @@ constexpr std::array<double, 32> k_lengths = [] {
   }
   return lengths;
 }();
+
+// The edge beside a point in 8 bits: 3 for the distance in steps, where 0 means none, and 5 for the direction.
+
+constexpr int k_edge_directions = 32, k_edge_levels = 7;
+constexpr double k_edge_step = 0.1, k_edge_gap = 0.2;  ///< spacings
+
+/// All around in even steps. Made with roots alone, which are the same on every machine.
+inline const std::array<glm::dvec2, k_edge_directions>& edge_directions() {
+  static const std::array<glm::dvec2, k_edge_directions> all = [] {
+    std::array<glm::dvec2, k_edge_directions> made{};
+    made[0] = {1.0, 0.0};
+    made[k_edge_directions / 4] = {0.0, 1.0};
+    for (int step = k_edge_directions / 4; step > 1; step /= 2) {
+      for (int i = 0; i < k_edge_directions / 4; i += step)
+        made[i + step / 2] = glm::normalize(made[i] + made[i + step]);
+    }
+    for (int i = k_edge_directions / 4; i < k_edge_directions; ++i) {
+      const glm::dvec2& before = made[i - k_edge_directions / 4];
+      made[i] = {-before.y, before.x};
+    }
+    return made;
+  }();
+  return all;
+}
 
 }  // namespace packed_surface
 }  // namespace alidade

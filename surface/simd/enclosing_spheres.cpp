@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-#include "octree/enclosing_spheres.h"
+#include "surface/surface_cloud.h"
 
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "octree/simd/enclosing_spheres.cpp"
+#define HWY_TARGET_INCLUDE "surface/simd/enclosing_spheres.cpp"
 #include <hwy/foreach_target.h>
 
 #include "octree/answer_target.h"
-#include "octree/leaf_fitter.h"
 #include "octree/simd/box_walk-inl.h"
 #include "octree/simd/choose_table.h"
 #include "octree/simd/local_point-inl.h"
+#include "surface/leaf_fitter.h"
+#include "surface/simd/own_points-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
@@ -20,13 +21,14 @@ namespace HWY_NAMESPACE {
 /// The walk to the spheres that hold a position.
 class EnclosingSpheres {
  public:
-  EnclosingSpheres(const TreeView& tree, const glm::dvec3& position, const RayQuery& query,
+  EnclosingSpheres(const SurfaceView& view, const glm::dvec3& position, const SurfaceQuery& query,
                    std::vector<PointSphere>& spheres)
-      : tree_(tree),
+      : view_(view),
+        tree_(view.tree),
         position_(position),
         query_(query),
-        local_(tree, position),
-        radii_(query),
+        local_(view.tree, position),
+        radii_(view, query),
         spheres_(spheres) {}
 
   void run() {
@@ -53,7 +55,6 @@ class EnclosingSpheres {
   HWY_INLINE unsigned near_slots(const Node& node, const Frame& frame, const LocalPoint::Local& local) const {
     const ChildLanes d;
     const auto grid_step = static_cast<float>(power_of_two(frame.level - k_min_frame_level));
-    const std::uint16_t* const spacings = slot_spacings(tree_, frame.node);
     unsigned near = 0;
     for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
       auto distance_sq = hn::Zero(d);
@@ -62,7 +63,7 @@ class EnclosingSpheres {
         const auto gap = hn::Max(hn::Max(to_low, from_high), hn::Zero(d));
         distance_sq = hn::MulAdd(gap, gap, distance_sq);
       }
-      const auto radius = radii_.above(d, spacings + lane);
+      const auto radius = radii_.below_slots(d, frame.node, lane);
       const auto limit_sq = hn::Mul(hn::Mul(radius, radius), hn::Set(d, k_up));
       near |= mask_bits(d, hn::Le(distance_sq, limit_sq)) << lane;
     }
@@ -77,32 +78,34 @@ class EnclosingSpheres {
     for (int first = 0; first < coordinates.count; first += static_cast<int>(hn::Lanes(d))) {
       const auto x = coordinates(0, first), y = coordinates(1, first), z = coordinates(2, first);
       const auto distance_sq = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
-      const auto radius = radii_.above(d, tree_.spacings + leaf.first + first);
-      possible |= coordinates.in_leaf(hn::Le(distance_sq, OwnRadii::outer_sq(d, radius, error)), first)
+      const auto radius = radii_.of_points(d, leaf.first + static_cast<std::uint32_t>(first));
+      possible |= coordinates.in_leaf(hn::Le(distance_sq, SquaredRadius::outer(d, radius, error)), first)
                   << first;
     }
     if (possible == 0) return;
-    touch(tree_, leaf);
+    touch(view_, leaf);
     StoredPoint stored[k_max_leaf_size + k_unpack_room];
     const std::size_t count = unpack(tree_, leaf, possible, stored);
     for (std::size_t i = 0; i < count; ++i) {
       const PointSphere sphere{to_world(tree_.lattice, stored[i].position),
-                               own_radius(query_, spacing_at(tree_, stored[i].index)), stored[i].index};
+                               own_radius(query_, spacing_at(view_.layers, stored[i].index)),
+                               stored[i].index};
       if (distance(position_, sphere.center) <= sphere.radius) spheres_.push_back(sphere);
     }
   }
 
+  const SurfaceView& view_;
   const TreeView& tree_;
   const glm::dvec3& position_;
-  const RayQuery& query_;
+  const SurfaceQuery& query_;
   const LocalPoint local_;
   const OwnRadii radii_;
   std::vector<PointSphere>& spheres_;
 };
 
-void find_enclosing(const TreeView& tree, const glm::dvec3& position, const RayQuery& query,
+void find_enclosing(const SurfaceView& view, const glm::dvec3& position, const SurfaceQuery& query,
                     std::vector<PointSphere>& spheres) {
-  EnclosingSpheres(tree, position, query, spheres).run();
+  EnclosingSpheres(view, position, query, spheres).run();
 }
 
 constexpr auto k_find_enclosing = &find_enclosing;
@@ -115,7 +118,7 @@ HWY_AFTER_NAMESPACE();
 namespace alidade {
 namespace {
 
-using FindEnclosing = void (*)(const TreeView&, const glm::dvec3&, const RayQuery&,
+using FindEnclosing = void (*)(const SurfaceView&, const glm::dvec3&, const SurfaceQuery&,
                                std::vector<PointSphere>&);
 
 FindEnclosing find_enclosing_with(InstructionSet instruction_set) {
@@ -125,20 +128,21 @@ FindEnclosing find_enclosing_with(InstructionSet instruction_set) {
 
 }  // namespace
 
-void find_enclosing(const Octree& octree, const glm::dvec3& position, const RayQuery& query,
+void find_enclosing(const SurfaceCloud& cloud, const glm::dvec3& position, const SurfaceQuery& query,
                     std::vector<PointSphere>& spheres) {
-  const TreeView& tree = octree.view();
-  if (octree.size() == 0) return;
+  const SurfaceView& view = cloud.view();
+  const TreeView& tree = view.tree;
+  if (cloud.size() == 0) return;
   const auto first = static_cast<std::ptrdiff_t>(spheres.size());
   if (simd::suits_lanes(tree, position, PointQuery{.radius = query.radius}) &&
       query.spacing_factor < k_longest) {
-    find_enclosing_with(octree.instruction_set())(tree, position, query, spheres);
+    find_enclosing_with(cloud.octree().instruction_set())(view, position, query, spheres);
   } else {
-    touch_all(tree);
+    cloud.fit_all();
     for_each_leaf(tree, [&](const Leaf& leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const PointSphere sphere{to_world(tree.lattice, position_of(tree, leaf, i)),
-                                 own_radius(query, spacing_at(tree, leaf.first + i)), leaf.first + i};
+                                 own_radius(query, spacing_at(view.layers, leaf.first + i)), leaf.first + i};
         if (distance(position, sphere.center) <= sphere.radius) spheres.push_back(sphere);
       }
     });

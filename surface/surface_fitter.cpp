@@ -1,67 +1,41 @@
 // SPDX-License-Identifier: MIT
-#include "octree/point_surface.h"
-
-#include <tbb/enumerable_thread_specific.h>
+#include "surface/surface_fitter.h"
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <memory>
-#include <new>
 #include <optional>
 #include <span>
-#include <thread>
 #include <utility>
 #include <vector>
 
-#include "base/huge_memory.h"
-#include "base/parallel.h"
-#include "octree/leaf_fitter.h"
-#include "octree/local_plane.h"
-#include "octree/packed_surface.h"
-#include "octree/simd/moments.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
+#include "surface/local_plane.h"
+#include "surface/packed_surface.h"
+#include "surface/point_surface.h"
+#include "surface/simd/moments.h"
 
 namespace alidade {
 namespace {
 
-// An edge in 8 bits: 3 for the distance, where 0 means none, and 5 for the direction.
-using simd::k_directions;
-constexpr int k_levels = 7;
+using packed_surface::k_edge_directions;
+
 // In spacings.
-constexpr double k_step = 0.1, k_gap = 0.2, k_reach = 2.5, k_least_support = 1.5;
+constexpr double k_reach = 2.5, k_least_support = 1.5;
 /// What lies within this of a line in some direction determines how far the sheet reaches there: some nine
 /// points between the edge and the reach.
 constexpr double k_half_width = 1.2;
 
-/// All around in even steps. Made with roots alone, which are the same on every machine.
-const std::array<glm::dvec2, k_directions>& directions() {
-  static const std::array<glm::dvec2, k_directions> all = [] {
-    std::array<glm::dvec2, k_directions> made{};
-    made[0] = {1.0, 0.0};
-    made[k_directions / 4] = {0.0, 1.0};
-    for (int step = k_directions / 4; step > 1; step /= 2) {
-      for (int i = 0; i < k_directions / 4; i += step)
-        made[i + step / 2] = glm::normalize(made[i] + made[i + step]);
-    }
-    for (int i = k_directions / 4; i < k_directions; ++i) {
-      const glm::dvec2& before = made[i - k_directions / 4];
-      made[i] = {-before.y, before.x};
-    }
-    return made;
-  }();
-  return all;
-}
-
-const std::array<glm::vec2, k_directions>& float_directions() {
-  static const std::array<glm::vec2, k_directions> all = [] {
-    std::array<glm::vec2, k_directions> made{};
-    std::ranges::transform(directions(), made.begin(), [](const glm::dvec2& d) { return glm::vec2(d); });
+const std::array<glm::vec2, k_edge_directions>& float_directions() {
+  static const std::array<glm::vec2, k_edge_directions> all = [] {
+    std::array<glm::vec2, k_edge_directions> made{};
+    std::ranges::transform(packed_surface::edge_directions(), made.begin(),
+                           [](const glm::dvec2& d) { return glm::vec2(d); });
     return made;
   }();
   return all;
@@ -87,7 +61,7 @@ std::uint32_t length_above(double length) {
                                   : static_cast<std::uint32_t>(above - k_lengths.begin());
 }
 
-/// A surface in 32 bits (octree/packed_surface.h). unit: TreeView::surface_unit, metres.
+/// A surface in 32 bits (surface/packed_surface.h). unit: PointLayers::surface_unit, metres.
 std::uint32_t pack(const PointSurface& surface, double unit) {
   using namespace packed_surface;
   if (!surface.exists) return 0;
@@ -98,16 +72,6 @@ std::uint32_t pack(const PointSurface& surface, double unit) {
   return k_exists | normal.x << k_first_side | normal.y << k_second_side | (below ? k_below : 0u) |
          nearest_length(std::fabs(surface.height) / unit) << k_height |
          length_above(surface.thickness / unit);
-}
-
-/// Reverses pack().
-PointSurface unpack(std::uint32_t packed, double unit) {
-  using namespace packed_surface;
-  if ((packed & k_exists) == 0) return {};
-  const double height = unit * k_lengths[packed >> k_height & k_length_mask];
-  const glm::uvec2 normal = {packed >> k_first_side & k_side_mask, packed >> k_second_side & k_side_mask};
-  return {true, unpack_normal(normal, k_side_steps), (packed & k_below) != 0 ? -height : height,
-          unit * k_lengths[packed & k_length_mask]};
 }
 
 /// The points within reach of a position.
@@ -233,13 +197,14 @@ simd::Extents sheet_extents(const PointsNear& points, const PointSurface& surfac
 std::uint8_t fit_sheet_edge(const PointsNear& points, const PointSurface& surface) {
   const simd::Extents extents = sheet_extents(points, surface);
   int best = -1;
-  for (int i = 0; i < k_directions; ++i) {
-    const bool has_support = extents[(i + k_directions / 2) % k_directions] >= k_least_support;
+  for (int i = 0; i < k_edge_directions; ++i) {
+    const bool has_support = extents[(i + k_edge_directions / 2) % k_edge_directions] >= k_least_support;
     if (has_support && (best < 0 || extents[i] < extents[best])) best = i;
   }
   if (best < 0) return 0;
-  const int level = static_cast<int>(std::lround(extents[best] / k_step)) + 1;
-  return level > k_levels ? 0 : static_cast<std::uint8_t>(k_directions * level + best);
+  const int level = static_cast<int>(std::lround(extents[best] / packed_surface::k_edge_step)) + 1;
+  return level > packed_surface::k_edge_levels ? 0
+                                               : static_cast<std::uint8_t>(k_edge_directions * level + best);
 }
 
 /// Finds the points around positions that are close together: the nodes they are in are found once for many.
@@ -324,16 +289,11 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
   return {};
 }
 
-/// Of the points of a leaf, packed.
-struct LeafSurfaces {
-  std::uint32_t surfaces[k_max_leaf_size];
-  std::uint8_t edges[k_max_leaf_size];
-};
-
-/// Fits the surfaces of points that come leaf by leaf.
+/// FitLeaf.
 class SurfaceFitter {
  public:
-  SurfaceFitter(const Octree& octree, double unit) : tree_(octree.view()), around_(octree), unit_(unit) {}
+  SurfaceFitter(const Octree& octree, double unit)
+      : tree_(octree.view()), layers_(octree.layers()), around_(octree), unit_(unit) {}
 
   const LeafSurfaces& operator()(const Leaf& leaf) {
     Bounds box;
@@ -345,7 +305,7 @@ class SurfaceFitter {
       // Points of one position have one surface, and mostly come one after another.
       if (!known_ || position != last_) {
         known_ = false;  // if the fit fails
-        fit(to_world(tree_.lattice, position), spacing_at(tree_, leaf.first + i));
+        fit(to_world(tree_.lattice, position), spacing_at(layers_, leaf.first + i));
       }
       known_ = true;
       last_ = position;
@@ -359,13 +319,14 @@ class SurfaceFitter {
   void fit(const glm::dvec3& position, double spacing) {
     const FittedSurface fitted = fit_surface(around_, position, spacing, unit_);
     packed_ = pack(fitted.surface, unit_);
-    const PointSurface surface = unpack(packed_, unit_);
+    const PointSurface surface = unpack_surface(packed_, unit_);
     edge_ = fitted.may_end && surface.exists
                 ? fit_sheet_edge(around_.points(position, k_reach * spacing), surface)
                 : std::uint8_t{0};
   }
 
   const TreeView& tree_;
+  const PointLayers& layers_;
   Neighbourhood around_;
   const double unit_;  ///< automatic_radius()
   bool known_ = false;
@@ -375,181 +336,12 @@ class SurfaceFitter {
   LeafSurfaces fitted_;
 };
 
-/// Surfaces and edges in one order of the points.
-struct SurfaceArrays {
-  HugeArray<std::uint32_t> surfaces;
-  HugeArray<std::uint8_t> edges;
-
-  SurfaceArrays(std::size_t size, const ScratchFolder& scratch)
-      : surfaces(size, scratch), edges(size, scratch) {}
-};
-
-/// In the order of the storage indices, with zeros behind.
-SurfaceArrays stored_arrays(const Octree& octree) {
-  const std::size_t count = octree.size();
-  SurfaceArrays stored(count + k_coordinate_padding, octree.scratch());
-  std::fill_n(stored.surfaces.data() + count, k_coordinate_padding, 0u);
-  std::fill_n(stored.edges.data() + count, k_coordinate_padding, std::uint8_t{0});
-  return stored;
-}
-
-/// What crossings read most of a mapped file, out of the map if there is room: there pages are small, and
-/// most leaves that a ray meets are on another one. A picture of 1e7 points takes 0.955 of the time.
-Octree out_of_map(const Octree& octree) {
-  const std::size_t spacings = octree.size() + k_coordinate_padding,
-                    coordinates = 3 * octree.size() + k_coordinate_padding;
-  const std::uint64_t bytes = (spacings + coordinates) * sizeof(std::uint16_t);
-  constexpr std::uint64_t k_room = 6;  // for the file, surfaces and colours as well
-  if (!octree.is_mapped() || octree.scratch() || k_room * bytes > available_memory().value_or(0))
-    return octree;
-  struct Copies {
-    HugeArray<std::uint16_t> coordinates, spacings;
-  };
-  const auto made = std::make_shared<Copies>();
-  try {
-    made->coordinates = HugeArray<std::uint16_t>(coordinates);
-    made->spacings = HugeArray<std::uint16_t>(spacings);
-  } catch (const std::bad_alloc&) {
-    return octree;
-  }
-  const auto copy = [](const std::uint16_t*& values, HugeArray<std::uint16_t>& to) {
-    constexpr std::size_t k_grain = std::size_t{1} << 20;
-    in_blocks(to.size(), k_grain, [&](std::size_t first, std::size_t end) {
-      std::copy(values + first, values + end, to.data() + first);
-    });
-    values = to.data();
-  };
-  TreeView tree = octree.view();
-  copy(tree.coordinates, made->coordinates);
-  copy(tree.spacings, made->spacings);
-  return octree.with_view(tree, made).with_mapped(false);
-}
-
-class OnDemandFitter : public LeafFitter {
- public:
-  /// Requires spacings.
-  explicit OnDemandFitter(const Octree& octree) : OnDemandFitter(octree, stored_arrays(octree)) {}
-
-  /// The tree with the arrays that are filled in.
-  TreeView view() const {
-    TreeView tree = octree_.view();
-    tree.surface_unit = unit_;
-    tree.surfaces = by_id_.surfaces.data();
-    tree.sheet_edges = by_id_.edges.data();
-    tree.stored_surfaces = stored_.surfaces.data();
-    tree.stored_edges = stored_.edges.data();
-    tree.fitter = this;
-    return tree;
-  }
-
- private:
-  OnDemandFitter(const Octree& octree, SurfaceArrays stored)
-      : LeafFitter(octree.view(), stored.edges.data()),
-        octree_(octree),
-        unit_(automatic_radius(octree)),
-        by_id_(octree.size(), octree.scratch()),
-        stored_(std::move(stored)),
-        fitters_([this] { return SurfaceFitter(octree_, unit_); }) {
-    constexpr std::uint32_t k_grain = 1 << 16;
-    in_blocks(octree.size(), k_grain, [&](std::size_t first, std::size_t end) {
-      std::fill(stored_.edges.data() + first, stored_.edges.data() + end, k_untouched);
-    });
-  }
-
-  void fit(const Leaf& leaf) const override {
-    const std::atomic_ref state(stored_.edges[leaf.first]);
-    std::uint8_t expected = k_untouched;
-    if (!state.compare_exchange_strong(expected, k_begun, std::memory_order_acquire)) {
-      while (state.load(std::memory_order_acquire) == k_begun) std::this_thread::yield();
-      // Fits that fail, for want of memory, are begun again.
-      if (state.load(std::memory_order_acquire) == k_untouched) fit(leaf);
-      return;
-    }
-    try {
-      const LeafSurfaces& fitted = fitters_.local()(leaf);
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const std::uint64_t id = point_id(octree_.view(), leaf.first + i);
-        by_id_.surfaces[id] = stored_.surfaces[leaf.first + i] = fitted.surfaces[i];
-        by_id_.edges[id] = fitted.edges[i];
-        if (i > 0) stored_.edges[leaf.first + i] = fitted.edges[i];
-      }
-      state.store(fitted.edges[0], std::memory_order_release);
-    } catch (...) {
-      state.store(k_untouched, std::memory_order_release);
-      throw;
-    }
-  }
-
-  const Octree octree_;  ///< without surfaces
-  const double unit_;
-  mutable SurfaceArrays by_id_, stored_;
-  mutable tbb::enumerable_thread_specific<SurfaceFitter> fitters_;
-};
-
 }  // namespace
 
-SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal) {
-  const int level = packed / k_directions;
-  if (level == 0) return {};
-  const PlaneAxes axes = axes_across(normal);
-  const glm::dvec2& direction = directions()[packed % k_directions];
-  return {direction.x * axes.first + direction.y * axes.second, k_gap + k_step * (level - 1)};
-}
-
-Octree with_surfaces(const Octree& octree, const Progress& progress) {
-  if (octree.size() == 0) return octree;
-  TreeView tree = octree.view();
-  if (tree.surfaces) {
-    if (tree.fitter == nullptr) return octree;
-    touch_all(tree, progress);
-    tree.fitter = nullptr;
-    return octree.with_view(tree, nullptr);
-  }
-  const auto made = std::make_shared<SurfaceArrays>(tree.point_count, octree.scratch());
-  tree.surface_unit = automatic_radius(octree);
-  for_each_leaf_in_parallel(tree, progress, [&] {
-    return [&, fitter = SurfaceFitter(octree, tree.surface_unit)](const Leaf& leaf) mutable {
-      const LeafSurfaces& fitted = fitter(leaf);
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const std::uint64_t id = point_id(tree, leaf.first + i);
-        made->surfaces[id] = fitted.surfaces[i];
-        made->edges[id] = fitted.edges[i];
-      }
-    };
-  });
-  tree.surfaces = made->surfaces.data();
-  tree.sheet_edges = made->edges.data();
-  return octree.with_view(tree, made);
-}
-
-Octree with_surfaces_on_demand(const Octree& octree) {
-  if (octree.size() == 0 || octree.view().surfaces) return with_discs(octree);
-  const auto fitter = std::make_shared<OnDemandFitter>(octree);
-  return octree.with_view(fitter->view(), fitter);
-}
-
-PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
-  return unpack(tree.surfaces[point_id], tree.surface_unit);
-}
-
-Octree with_discs(const Octree& octree) {
-  if (octree.size() == 0 || octree.view().stored_surfaces) return octree;
-  const auto made = std::make_shared<SurfaceArrays>(stored_arrays(octree));
-  const Octree near = out_of_map(octree);
-  TreeView tree = near.view();
-  constexpr std::uint32_t k_grain = 1 << 16;
-  in_parallel(tree.point_count, k_grain, [&](std::uint32_t index) {
-    const std::uint64_t id = point_id(tree, index);
-    made->surfaces[index] = tree.surfaces[id];
-    made->edges[index] = tree.sheet_edges[id];
-  });
-  tree.stored_surfaces = made->surfaces.data();
-  tree.stored_edges = made->edges.data();
-  return near.with_view(tree, made);
-}
-
-PointSurface surface_at(const TreeView& tree, std::uint32_t index) {
-  return unpack(tree.stored_surfaces[index], tree.surface_unit);
+FitLeaf surface_fitter(const Octree& octree, double unit) {
+  return [fitter = std::make_shared<SurfaceFitter>(octree, unit)](const Leaf& leaf) -> const LeafSurfaces& {
+    return (*fitter)(leaf);
+  };
 }
 
 }  // namespace alidade

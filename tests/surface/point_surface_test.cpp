@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/point_surface.h"
+#include "surface/point_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <glm/trigonometric.hpp>
 
 #include "octree/build.h"
-#include "octree/packed_surface.h"
 #include "octree/spacing.h"
+#include "surface/packed_surface.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"
 
@@ -68,7 +68,7 @@ TEST(PointSurface, of_a_noisy_plane_is_that_plane) {
     std::size_t inside = 0, thin = 0, tilted = 0;
     for (std::size_t id = 0; id < cloud.size(); ++id) {
       const glm::dvec3 position = cloud.world(id) - cloud.lattice.offset;
-      const PointSurface surface = surface_of(octree.view(), id);
+      const PointSurface surface = surface_of(octree.layers(), id);
       ASSERT_TRUE(surface.exists) << id;
       if (glm::length(position) > 1.5) continue;
       ++inside;
@@ -97,7 +97,7 @@ TEST(PointSurface, tells_the_two_sides_of_a_thin_plate_apart) {
     for (std::size_t id = 0; id < cloud.size(); ++id) {
       const glm::dvec3 position = cloud.world(id) - cloud.lattice.offset;
       if (std::fabs(position.x) > 1.8 || std::fabs(position.y) > 1.8) continue;
-      const PointSurface surface = surface_of(octree.view(), id);
+      const PointSurface surface = surface_of(octree.layers(), id);
       ASSERT_TRUE(surface.exists) << id;
       const double sheet = position.z - surface.height * surface.normal.z;
       ++inside;
@@ -120,7 +120,7 @@ TEST(PointSurface, is_none_where_points_fill_space_or_stand_on_a_wire) {
   const Octree octree = with_all(cloud);
   std::size_t leaves = 0;
   for (std::size_t id = 0; id < cloud.size(); ++id) {
-    const bool exists = surface_of(octree.view(), id).exists;
+    const bool exists = surface_of(octree.layers(), id).exists;
     if (id >= foliage) {
       ASSERT_FALSE(exists) << id;
     } else {
@@ -140,7 +140,7 @@ TEST(PointSurface, is_none_of_a_bird_above_a_field_nor_of_a_few) {
   for (const double x : {0.0, 0.02, 0.04}) add(cloud, {-0.7 + x, 0.2 - x * x, 0.4});
   const Octree octree = with_all(cloud);
   for (std::size_t id = field; id < cloud.size(); ++id)
-    EXPECT_FALSE(surface_of(octree.view(), id).exists) << id;
+    EXPECT_FALSE(surface_of(octree.layers(), id).exists) << id;
 }
 
 TEST(PointSurface, has_the_same_bits_on_every_instruction_set) {
@@ -150,8 +150,8 @@ TEST(PointSurface, has_the_same_bits_on_every_instruction_set) {
     std::vector<std::uint8_t> expected_edges;
     for (const InstructionSet set : available_instruction_sets()) {
       const Octree fitted = with_surfaces(with_spacings(build(family.cloud).with_instruction_set(set), 8));
-      const std::span<const std::uint32_t> found(fitted.view().surfaces, fitted.size());
-      const std::span<const std::uint8_t> edges(fitted.view().sheet_edges, fitted.size());
+      const std::span<const std::uint32_t> found(fitted.layers().surfaces, fitted.size());
+      const std::span<const std::uint8_t> edges(fitted.layers().sheet_edges, fitted.size());
       if (expected.empty()) {
         expected.assign(found.begin(), found.end());
         expected_edges.assign(edges.begin(), edges.end());
@@ -167,7 +167,7 @@ TEST(PointSurface, of_an_octree_that_has_them_is_not_fitted_again) {
   PointCloud cloud = empty_cloud();
   add(cloud, Square{}, random);
   const Octree octree = with_all(cloud);
-  EXPECT_EQ(with_surfaces(octree).view().surfaces, octree.view().surfaces);
+  EXPECT_EQ(with_surfaces(octree).layers().surfaces, octree.layers().surfaces);
 }
 
 TEST(PackedNormal, is_good_to_0_14_degrees_and_upright_stays_upright) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "octree/simd/moments.h"
+#include "surface/simd/moments.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "octree/simd/moments.cpp"
+#define HWY_TARGET_INCLUDE "surface/simd/moments.cpp"
 #include <hwy/foreach_target.h>
 
 #include "cloud/lattice.h"
