@@ -15,12 +15,8 @@
 
 namespace alidade {
 
-/// By what a tree distinguishes its points.
-enum class PointNaming { id, index };
-
 /// An octree as tree_query.h walks it: inner nodes by their frames, leaves as nodes of their own.
-template <PointNaming naming>
-class OctreeAsTree {
+class OctreeTree {
  public:
   struct Node {
     Bounds bounds;
@@ -31,7 +27,7 @@ class OctreeAsTree {
 
   /// Of a layered octree only the levels 0 to max_level; of points at one position, as a rule, only the
   /// first k.
-  explicit OctreeAsTree(const TreeView& view, int max_level = k_all_levels, std::size_t k = k_all)
+  explicit OctreeTree(const TreeView& view, int max_level = k_all_levels, std::size_t k = k_all)
       : view_(view), max_level_(max_level), k_(k) {}
 
   bool empty() const { return view_.node_count == 0; }
@@ -43,9 +39,7 @@ class OctreeAsTree {
     if (node.inner) return;
     for (std::uint32_t i = 0; i < node.leaf.count; ++i) {
       const std::uint32_t index = node.leaf.first + i;
-      if (!visit(naming == PointNaming::index ? index : point_id(view_, index),
-                 to_world(view_.lattice, position_of(view_, node.leaf, i))))
-        return;
+      if (!visit(point_id(view_, index), to_world(view_.lattice, position_of(view_, node.leaf, i)))) return;
     }
   }
 
@@ -75,10 +69,6 @@ class OctreeAsTree {
   int max_level_;
   std::size_t k_;
 };
-
-using OctreeTree = OctreeAsTree<PointNaming::id>;
-/// For targets that need values stored by storage index.
-using OctreeByIndex = OctreeAsTree<PointNaming::index>;
 
 // The targets of octree/query.h as tree_query.h takes them: how near, where and in which order the points of
 // a box can be. Each keeps references to target and query, which must outlive it, and takes them as checked.

@@ -13,10 +13,6 @@
 
 namespace alidade {
 
-/// Radius of a disc in spacings to the 8th neighbour: leaves 0.1 % of a surface of random points uncovered,
-/// exp(-8 * 0.92^2), and reaches little beyond its edges.
-constexpr double k_disc_spacings = 0.92;
-
 struct PointDisc {
   glm::dvec3 point{0.0};   ///< the point itself
   glm::dvec3 center{0.0};  ///< below or above it on the sheet

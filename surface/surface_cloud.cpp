@@ -22,6 +22,7 @@
 #include "octree/spacing.h"
 #include "octree/tree_query.h"
 #include "surface/decide_point.h"
+#include "surface/disc_reach.h"
 #include "surface/leaf_fitter.h"
 #include "surface/simd/surface_traversal.h"
 #include "surface/surface_fitter.h"
@@ -36,39 +37,6 @@ SurfaceArrays stored_arrays(const Octree& octree) {
   std::fill_n(stored.surfaces.data() + count, k_coordinate_padding, 0u);
   std::fill_n(stored.edges.data() + count, k_coordinate_padding, std::uint8_t{0});
   return stored;
-}
-
-/// What queries of discs read most of a mapped file.
-struct UnmappedArrays {
-  HugeArray<std::uint16_t> coordinates, spacings;
-};
-
-/// Out of the map if there is room: there pages are small, and most leaves that a ray meets are on another
-/// one. A picture of 1e7 points takes 0.955 of the time. Null if there is no room or no map.
-std::shared_ptr<const UnmappedArrays> out_of_map(const Octree& octree, SurfaceView& view) {
-  const std::size_t spacings = octree.size() + k_coordinate_padding,
-                    coordinates = 3 * octree.size() + k_coordinate_padding;
-  const std::uint64_t bytes = (spacings + coordinates) * sizeof(std::uint16_t);
-  constexpr std::uint64_t k_room = 6;  // for the file, surfaces and colours as well
-  if (!octree.is_mapped() || octree.scratch() || k_room * bytes > available_memory().value_or(0))
-    return nullptr;
-  const auto made = std::make_shared<UnmappedArrays>();
-  try {
-    made->coordinates = HugeArray<std::uint16_t>(coordinates);
-    made->spacings = HugeArray<std::uint16_t>(spacings);
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
-  const auto copy = [](const std::uint16_t*& values, HugeArray<std::uint16_t>& to) {
-    constexpr std::size_t k_grain = std::size_t{1} << 20;
-    in_blocks(to.size(), k_grain, [&](std::size_t first, std::size_t end) {
-      std::copy(values + first, values + end, to.data() + first);
-    });
-    values = to.data();
-  };
-  copy(view.tree.coordinates, made->coordinates);
-  copy(view.layers.spacings, made->spacings);
-  return made;
 }
 
 class OnDemandFitter : public LeafFitter {
@@ -130,15 +98,55 @@ class OnDemandFitter : public LeafFitter {
   mutable tbb::enumerable_thread_specific<FitLeaf> fitters_;
 };
 
-/// What Algorithm 1 (octree/tree_query.h) takes: points by their storage indices.
-class SurfaceTree : public OctreeByIndex {
+/// What a view of discs points to.
+struct DiscArrays {
+  Octree octree;
+  std::optional<SurfaceArrays> stored;
+  std::unique_ptr<const OnDemandFitter> fitter;  ///< instead of them
+  HugeArray<std::uint16_t> coordinates, spacings, reaches;
+};
+
+/// Copies what queries of discs read most of a mapped file out of the map if there is room: there pages are
+/// small, and most leaves that a ray meets are on another one. A picture of 1e7 points takes 0.955 of the
+/// time.
+void take_out_of_map(SurfaceView& view, DiscArrays& made) {
+  const Octree& octree = made.octree;
+  const std::size_t spacings = octree.size() + k_coordinate_padding,
+                    coordinates = 3 * octree.size() + k_coordinate_padding;
+  const std::uint64_t bytes = (spacings + coordinates) * sizeof(std::uint16_t);
+  constexpr std::uint64_t k_room = 6;  // for the file, surfaces and colours as well
+  if (!octree.is_mapped() || octree.scratch() || k_room * bytes > available_memory().value_or(0)) return;
+  try {
+    made.coordinates = HugeArray<std::uint16_t>(coordinates);
+    made.spacings = HugeArray<std::uint16_t>(spacings);
+  } catch (const std::bad_alloc&) {
+    return;
+  }
+  const auto copy = [](const std::uint16_t*& values, HugeArray<std::uint16_t>& to) {
+    constexpr std::size_t k_grain = std::size_t{1} << 20;
+    in_blocks(to.size(), k_grain, [&](std::size_t first, std::size_t end) {
+      std::copy(values + first, values + end, to.data() + first);
+    });
+    values = to.data();
+  };
+  copy(view.tree.coordinates, made.coordinates);
+  copy(view.layers.spacings, made.spacings);
+}
+
+/// What Algorithm 1 (octree/tree_query.h) takes, with storage indices in place of ids.
+class SurfaceTree : public OctreeTree {
  public:
-  explicit SurfaceTree(const SurfaceView& view) : OctreeByIndex(view.tree), view_(view) {}
+  explicit SurfaceTree(const SurfaceView& view) : OctreeTree(view.tree), view_(view) {}
 
   template <class Visit>
   void for_each_point(const Node& node, const Visit& visit) const {
-    if (!node.inner) touch(view_, node.leaf);
-    OctreeByIndex::for_each_point(node, visit);
+    if (node.inner) return;
+    touch(view_, node.leaf);
+    for (std::uint32_t i = 0; i < node.leaf.count; ++i) {
+      if (!visit(std::uint64_t{node.leaf.first} + i,
+                 to_world(view_.tree.lattice, position_of(view_.tree, node.leaf, i))))
+        return;
+    }
   }
 
  private:
@@ -165,7 +173,9 @@ class SurfaceTarget {
   }
   bool too_far(const Reach& reach) const { return reach.distance > query_.radius; }
   bool outside_interval(const Reach& reach) const {
-    // A sphere is entered, and a disc crossed, at most its radius from the projection of its point.
+    if (!query_.discs)
+      return reach.t.high < std::max(query_.entry_min, ray_.t_min) || reach.t.low > ray_.t_max;
+    // A disc is crossed at most its radius from the projection of its point.
     const double beside =
         query_.radius + 0x1p-40 * (query_.radius + std::fabs(reach.t.low) + std::fabs(reach.t.high));
     return reach.t.low - beside > ray_.t_max ||
@@ -245,36 +255,40 @@ void check_spacings(const Octree& octree) {
 
 SurfaceCloud SurfaceCloud::of_spheres(const Octree& octree) {
   check_spacings(octree);
-  return {octree, {.tree = octree.view(), .layers = octree.layers()}, nullptr};
+  return {octree, {.tree = octree.view(), .layers = octree.layers()}};
 }
 
 SurfaceCloud SurfaceCloud::of_discs(const Octree& octree) {
   check_spacings(octree);
   SurfaceView view{.tree = octree.view(), .layers = octree.layers()};
-  if (octree.size() == 0) return {octree, view, nullptr};
+  if (octree.size() == 0) return {octree, view};
+  const auto made = std::make_shared<DiscArrays>();
+  made->octree = octree;
   if (octree.layers().surfaces == nullptr) {
-    const auto fitter = std::make_shared<const OnDemandFitter>(octree);
-    fitter->add_to(view);
-    return {octree, view, fitter};
+    made->fitter = std::make_unique<const OnDemandFitter>(octree);
+    made->fitter->add_to(view);
+  } else {
+    take_out_of_map(view, *made);
+    SurfaceArrays& stored = made->stored.emplace(stored_arrays(octree));
+    constexpr std::uint32_t k_grain = 1 << 16;
+    in_parallel(view.tree.point_count, k_grain, [&](std::uint32_t index) {
+      const std::uint64_t id = point_id(view.tree, index);
+      stored.surfaces[index] = view.layers.surfaces[id];
+      stored.edges[index] = view.layers.sheet_edges[id];
+    });
+    view.stored_surfaces = stored.surfaces.data();
+    view.stored_edges = stored.edges.data();
   }
-  const auto made = std::make_shared<SurfaceArrays>(stored_arrays(octree));
-  constexpr std::uint32_t k_grain = 1 << 16;
-  in_parallel(view.tree.point_count, k_grain, [&](std::uint32_t index) {
-    const std::uint64_t id = point_id(view.tree, index);
-    made->surfaces[index] = view.layers.surfaces[id];
-    made->edges[index] = view.layers.sheet_edges[id];
-  });
-  view.stored_surfaces = made->surfaces.data();
-  view.stored_edges = made->edges.data();
-  const auto unmapped = out_of_map(octree, view);
-  return {octree, view,
-          std::make_shared<const std::pair<decltype(made), decltype(unmapped)>>(made, unmapped)};
-}
-
-SurfaceCloud SurfaceCloud::with_instruction_set(InstructionSet instruction_set) const {
-  SurfaceCloud cloud = *this;
-  cloud.octree_ = octree_.with_instruction_set(instruction_set);
-  return cloud;
+  made->reaches = slot_reaches(view, octree.scratch());
+  view.slot_reaches = made->reaches.data();
+  PointLayers layers = octree.layers();
+  layers.spacings = view.layers.spacings;
+  const bool is_mapped = octree.is_mapped() && view.tree.coordinates == octree.view().coordinates;
+  return {Octree(view.tree, made, octree.instruction_set())
+              .with_layers(layers)
+              .with_mapped(is_mapped)
+              .with_scratch(octree.scratch()),
+          view};
 }
 
 void SurfaceCloud::fit_all(const Progress& progress) const {

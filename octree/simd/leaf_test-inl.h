@@ -39,7 +39,7 @@ HWY_INLINE void relative_to(const ActiveRay& ray, double start, const double* co
 /// Lanes compute t and distance of every point within `error` of the truth. That decides for nearly all
 /// points whether they can count (most cannot) or certainly do, and bounds of their measure. Only where
 /// bounds overlap, or the edge of a condition is nearer than `error`, is a point decided in double
-/// (octree/candidate.h). So the answer is the same bits on every machine, at the price of floats.
+/// (octree/candidate.h, surface/decide_point.h). So the answer is the same bits on every machine, at the price of floats.
 template <class Points, bool any>
 class LeafTest {
  public:
@@ -226,13 +226,7 @@ class LeafTest {
     auto first_high = none;
     std::uint32_t crossed = 0;
     points_.touch(leaf);
-    const auto ray_at_discs = [&] {
-      if constexpr (Points::are_discs) {
-        return points_.at_discs(ray, along, start, frame.error);
-      } else {
-        return nullptr;
-      }
-    }();
+    const auto ray_at_discs = points_.at_discs(ray, along, start, frame.error);
     for (int i = 0; i < vectors; ++i) {
       if constexpr (Points::are_discs) {
         if ((possible >> (i * lanes) & ((1ull << lanes) - 1u)) == 0) {

@@ -159,7 +159,7 @@ class RayPacket {
         auto near = hn::MulAdd(load_as_float(d, first + lane), signed_step, hn::Set(d, down ? -high : low));
         auto far = hn::MulAdd(load_as_float(d, last + lane), signed_step, hn::Set(d, down ? -low : high));
         if constexpr (Points::own_radii) {
-          const auto radius = traversed_.leaf_test.points().slot_radii(d, frame.node, lane);
+          const auto radius = traversed_.leaf_test.points().slot_reach(d, frame.node, axis, lane);
           near = hn::Sub(near, radius);
           far = hn::Add(far, radius);
         }

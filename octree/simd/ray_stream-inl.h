@@ -166,7 +166,7 @@ class RayStream {
         auto high =
             hn::MulAdd(load_as_float(d, node.high[axis] + lane), hn::Set(d, step), hn::Set(d, high_base));
         if constexpr (Points::own_radii) {
-          const auto radius = traversed_.leaf_test.points().slot_radii(d, frame.node, lane);
+          const auto radius = traversed_.leaf_test.points().slot_reach(d, frame.node, axis, lane);
           low = hn::Sub(low, radius);
           high = hn::Add(high, radius);
         }

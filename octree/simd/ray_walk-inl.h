@@ -112,14 +112,14 @@ HWY_INLINE unsigned meet_boxes(const RayOnGrid<Points>& ray, float t_cut, const 
   };
   unsigned meets = 0;
   for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
-    auto enter = hn::Zero(d), leave = hn::Set(d, t_cut), radius = hn::Zero(d);
-    if constexpr (Points::own_radii) radius = points.slot_radii(d, number, lane);
+    auto enter = hn::Zero(d), leave = hn::Set(d, t_cut);
     for (int axis = 0; axis < 3; ++axis) {
       auto first = on_axis(ray.near_row[axis] + lane, axis, near[axis]),
            last = on_axis(ray.far_row[axis] + lane, axis, far[axis]);
       if constexpr (Points::own_radii) {
-        first = hn::NegMulAdd(radius, hn::Set(d, ray.way[axis]), first);
-        last = hn::MulAdd(radius, hn::Set(d, ray.way[axis]), last);
+        const auto wider = points.slot_reach(d, number, axis, lane), way = hn::Set(d, ray.way[axis]);
+        first = hn::NegMulAdd(wider, way, first);
+        last = hn::MulAdd(wider, way, last);
       }
       enter = hn::Max(enter, first);
       leave = hn::Min(leave, last);

@@ -9,6 +9,8 @@
 
 #include <hwy/highway.h>
 
+#include <cstddef>
+
 #include "octree/candidate.h"
 #include "octree/octree.h"
 #include "octree/simd/ray_state.h"
@@ -29,11 +31,11 @@ class SharedRadius {
  public:
   /// By what answers are ordered. Of discs t is that of the crossing.
   static constexpr Measure measure = order;
-  /// With own_radii there are, in floats not below them, radii(lanes, storage index) of points and
-  /// slot_radii(lanes, node, slot): the greatest below slots.
+  /// With own_radii there are, in floats not below them, radii(lanes, storage index) of points, and
+  /// slot_reach(lanes, node, axis, slot): how far from their points rays meet those below slots, at most.
   static constexpr bool own_radii = false;
-  /// With are_discs there are at_discs(), the ray as it meets the points of a leaf, and crossings(), where it
-  /// meets them (surface/simd/disc_test-inl.h).
+  /// With are_discs there are crossings(), where a ray meets the points of a leaf, and at_discs() is what of
+  /// the ray they take (surface/simd/disc_test-inl.h).
   static constexpr bool are_discs = false;
   /// What tests the points of a leaf against many rays.
   template <bool any>
@@ -52,6 +54,7 @@ class SharedRadius {
     return alidade::evaluate(ray, query_, query_.radius, position, point_id(tree_, index), query_index,
                              filters);
   }
+  std::nullptr_t at_discs(const ActiveRay&, const float*, double, double) const { return nullptr; }
   /// Called before points of a leaf are examined.
   void touch(const Leaf&) const {}
   /// Fetches what is read of points beside their coordinates, from a storage index on.

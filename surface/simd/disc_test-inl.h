@@ -46,10 +46,11 @@ struct LeftSheet {
     if (query.discs->begins.empty()) return;
     const SheetOrigin& begin = query.discs->begins[ray.query_index];
     if (!(begin.reach > 0.0f)) return;
-    // The spheres around points that count lie in the leaf's box, widened: no point is nearer than `there`.
+    // The ray meets the points that count behind `there`: none is nearer by more than its radius.
     const double there = start + ray.state.shift;
     constexpr double k_slack = 1.0 - 0x1p-20;
-    is_near = k_slack * there - 2.0 * error <= std::fmax(begin.reach, k_part_radii * query.radius);
+    is_near =
+        k_slack * there - query.radius - 2.0 * error <= std::fmax(begin.reach, k_part_radii * query.radius);
     for (int axis = 0; axis < 3; ++axis) normal[axis] = static_cast<float>(begin.normal[axis]);
     reach = begin.reach;
     thickness = begin.thickness;

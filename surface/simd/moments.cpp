@@ -413,7 +413,7 @@ HeightSums heights(const BallPoints& points, const Level& level) {
 class FanExtents {
  public:
   explicit FanExtents(const Fan& fan) : fan_(fan) {
-    for (int i = 0; i < k_directions; ++i) {
+    for (int i = 0; i < packed_surface::k_edge_directions; ++i) {
       x_[i] = fan.directions[i].x;
       y_[i] = fan.directions[i].y;
     }
@@ -430,7 +430,7 @@ class FanExtents {
 
   Extents extents() const {
     Extents extents;
-    std::copy_n(extents_, k_directions, extents.begin());
+    std::copy_n(extents_, packed_surface::k_edge_directions, extents.begin());
     return extents;
   }
 
@@ -438,7 +438,7 @@ class FanExtents {
   HWY_INLINE void add_point(float first, float second) {
     const PointLanes d;
     const auto u = hn::Set(d, first), v = hn::Set(d, second), half_width = hn::Set(d, fan_.half_width);
-    for (int i = 0; i < k_directions; i += k_lanes) {
+    for (int i = 0; i < packed_surface::k_edge_directions; i += k_lanes) {
       const auto x = hn::Load(d, x_ + i), y = hn::Load(d, y_ + i), extent = hn::Load(d, extents_ + i);
       const auto beside = hn::Abs(hn::Sub(hn::Mul(u, y), hn::Mul(v, x)));
       const auto along = hn::Add(hn::Mul(u, x), hn::Mul(v, y));
@@ -448,9 +448,9 @@ class FanExtents {
   }
 
   const Fan& fan_;
-  alignas(64) float x_[k_directions];
-  alignas(64) float y_[k_directions];
-  alignas(64) float extents_[k_directions] = {};
+  alignas(64) float x_[packed_surface::k_edge_directions];
+  alignas(64) float y_[packed_surface::k_edge_directions];
+  alignas(64) float extents_[packed_surface::k_edge_directions] = {};
 };
 
 Extents extents(const BallPoints& points, const Layer& layer, const Fan& fan) {

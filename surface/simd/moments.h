@@ -10,6 +10,7 @@
 #include "base/instruction_set.h"
 #include "octree/octree.h"
 #include "octree/tree_walk.h"
+#include "surface/packed_surface.h"
 
 namespace alidade::simd {
 
@@ -64,14 +65,13 @@ struct HeightSums {
   std::array<float, 4> powers{};  ///< of h, h^2, h^3, h^4
 };
 
-constexpr int k_directions = 32;
 /// How far points reach in each of these directions; 0 if there are none.
-using Extents = std::array<float, k_directions>;
+using Extents = std::array<float, packed_surface::k_edge_directions>;
 
 /// Directions in a plane, and the points that count in each: those within a distance of a line along it.
 struct Fan {
   glm::vec3 first_axis, second_axis;  ///< of the plane: of length 1, at right angles
-  const std::array<glm::vec2, k_directions>& directions;
+  const std::array<glm::vec2, packed_surface::k_edge_directions>& directions;
   float half_width;
 };
 

@@ -13,12 +13,22 @@
 #include "octree/simd/ray_state.h"
 #include "octree/simd/shared_radius-inl.h"
 #include "surface/decide_point.h"
+#include "surface/disc_reach.h"
 #include "surface/leaf_fitter.h"
 #include "surface/simd/disc_test-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
+
+/// From the upper halves of floats on, times a factor, but not more than `greatest`.
+template <class D>
+HWY_INLINE hn::Vec<D> scaled(D d, const std::uint16_t* halves, float factor, float greatest) {
+  const hn::RebindToUnsigned<D> bits;
+  const auto stored = hn::PromoteTo(bits, hn::LoadU(hn::Rebind<std::uint16_t, D>(), halves));
+  const auto value = hn::BitCast(d, hn::ShiftLeft<16>(stored));
+  return hn::Min(hn::Set(d, greatest), hn::Mul(hn::Set(d, factor), value));
+}
 
 /// Radii of points' own, from their spacings, in float; above the radii by at most 2^-21 of them.
 class OwnRadii {
@@ -32,23 +42,15 @@ class OwnRadii {
   /// From a storage index on.
   template <class D>
   HWY_INLINE hn::Vec<D> of_points(D d, std::uint32_t index) const {
-    return above(d, spacings_ + index);
+    return scaled(d, spacings_ + index, factor_, greatest_);
   }
   /// The greatest below the slots of a node, from one slot on.
   template <class D>
   HWY_INLINE hn::Vec<D> below_slots(D d, std::uint32_t node, std::size_t slot) const {
-    return above(d, slot_spacings_ + std::size_t{k_node_width} * node + slot);
+    return scaled(d, slot_spacings_ + std::size_t{k_node_width} * node + slot, factor_, greatest_);
   }
 
  private:
-  template <class D>
-  HWY_INLINE hn::Vec<D> above(D d, const std::uint16_t* spacings) const {
-    const hn::RebindToUnsigned<D> bits;
-    const auto stored = hn::PromoteTo(bits, hn::LoadU(hn::Rebind<std::uint16_t, D>(), spacings));
-    const auto spacing = hn::BitCast(d, hn::ShiftLeft<16>(stored));
-    return hn::Min(hn::Set(d, greatest_), hn::Mul(hn::Set(d, factor_), spacing));
-  }
-
   const std::uint16_t* const spacings_;
   const std::uint16_t* const slot_spacings_;
   const float factor_, greatest_;
@@ -77,10 +79,6 @@ class OwnPoints {
   HWY_INLINE hn::Vec<D> radii(D d, std::uint32_t index) const {
     return radii_.of_points(d, index);
   }
-  template <class D>
-  HWY_INLINE hn::Vec<D> slot_radii(D d, std::uint32_t node, std::size_t slot) const {
-    return radii_.below_slots(d, node, slot);
-  }
 
  protected:
   const SurfaceView& view_;
@@ -98,6 +96,11 @@ class OwnRadius : public OwnPoints<order> {
 
   using OwnPoints<order>::OwnPoints;
 
+  template <class D>
+  HWY_INLINE hn::Vec<D> slot_reach(D d, std::uint32_t node, int, std::size_t slot) const {
+    return this->radii_.below_slots(d, node, slot);
+  }
+  std::nullptr_t at_discs(const ActiveRay&, const float*, double, double) const { return nullptr; }
   void touch(const Leaf&) const {}
   HWY_INLINE void fetch(std::uint32_t first, std::size_t count) const {
     fetch_array(this->view_.layers.spacings + first, count);
@@ -114,7 +117,17 @@ class Discs : public OwnPoints<Measure::t> {
   template <bool any>
   using GroupTest = DiscGroupTest<any>;
 
-  Discs(const SurfaceView& view, const SurfaceQuery& query) : OwnPoints(view, query), test_(view, query) {}
+  Discs(const SurfaceView& view, const SurfaceQuery& query)
+      : OwnPoints(view, query),
+        test_(view, query),
+        reach_factor_(float_above(std::min(disc_reach_factor(query), k_far))),
+        greatest_reach_(float_above(query.radius)) {}
+
+  template <class D>
+  HWY_INLINE hn::Vec<D> slot_reach(D d, std::uint32_t node, int axis, std::size_t slot) const {
+    const std::size_t row = std::size_t{3} * node + static_cast<std::size_t>(axis);
+    return scaled(d, view_.slot_reaches + k_node_width * row + slot, reach_factor_, greatest_reach_);
+  }
 
   void touch(const Leaf& leaf) const { alidade::touch(view_, leaf); }
   HWY_INLINE void fetch(std::uint32_t first, std::size_t count) const {
@@ -136,6 +149,7 @@ class Discs : public OwnPoints<Measure::t> {
 
  private:
   const DiscTest test_;
+  const float reach_factor_, greatest_reach_;
 };
 
 }  // namespace HWY_NAMESPACE

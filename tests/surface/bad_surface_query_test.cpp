@@ -165,13 +165,14 @@ TEST(BadSurfaceQuery, a_batch_whose_answers_have_no_room_is_an_error) {
   expect_error([&] { occluded(spheres, rays, {.radius = 1.0}, blocked); }, why);
 }
 
-TEST(BadSurfaceQuery, an_instruction_set_the_machine_lacks_is_an_error) {
-  const std::vector<InstructionSet> available = available_instruction_sets();
-  for (const InstructionSet set :
-       {InstructionSet::scalar, InstructionSet::sse4, InstructionSet::avx2, InstructionSet::avx512}) {
-    if (std::ranges::find(available, set) != available.end()) continue;
-    EXPECT_THROW((void)SurfaceCloud().with_instruction_set(set), Error);
-  }
+TEST(BadSurfaceQuery, an_octree_without_spacings_is_an_error_unless_it_is_empty) {
+  const Octree octree = build(two_points());
+  const std::string why = "radii of the points' own require an octree with spacings";
+  expect_error([&] { SurfaceCloud::of_spheres(octree); }, why);
+  expect_error([&] { SurfaceCloud::of_discs(octree); }, why);
+  const Octree empty = build(PointCloud());
+  EXPECT_EQ(SurfaceCloud::of_spheres(empty).size(), 0u);
+  EXPECT_EQ(SurfaceCloud::of_discs(empty).size(), 0u);
 }
 
 }  // namespace

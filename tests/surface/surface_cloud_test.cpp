@@ -272,10 +272,14 @@ TEST_F(SurfaceCloudOfStreet, filters_and_sheets_know_the_number_of_the_ray) {
 TEST_F(SurfaceCloudOfStreet, answers_the_same_with_every_instruction_set_and_from_a_map) {
   const std::vector<Ray> rays = scattered_rays(2000);
   std::vector<SurfaceCloud> clouds{SurfaceCloud::of_discs(octree_.with_mapped(true))};
+  EXPECT_NE(clouds[0].view().tree.coordinates, octree_.view().coordinates) << "out of the map";
+  EXPECT_EQ(clouds[0].octree().view().coordinates, clouds[0].view().tree.coordinates);
+  EXPECT_EQ(clouds[0].octree().layers().spacings, clouds[0].view().layers.spacings);
+  EXPECT_FALSE(clouds[0].octree().is_mapped());
+  EXPECT_EQ(discs_.view().tree.coordinates, octree_.view().coordinates) << "not mapped";
   for (const InstructionSet set : available_instruction_sets()) {
-    clouds.push_back(discs_.with_instruction_set(set));
+    clouds.push_back(SurfaceCloud::of_discs(octree_.with_instruction_set(set)));
     EXPECT_EQ(clouds.back().octree().instruction_set(), set);
-    EXPECT_EQ(clouds.back().view().stored_surfaces, discs_.view().stored_surfaces) << "arrays are shared";
   }
   for (const SurfaceQuery& query : {spheres_query_, disc_query_}) {
     std::vector<std::optional<Hit>> expected(rays.size()), hits(rays.size());
