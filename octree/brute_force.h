@@ -2,11 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "cloud/point_cloud.h"
-#include "octree/octree.h"
 #include "octree/query.h"
 
 // What every query means, as plain loops in double over world coordinates: the definition, and the oracle of

@@ -23,6 +23,7 @@
 #include "octree/simd/sort_keys.h"
 
 // Many rays to `closest` or `occluded`: through the tree together, those that lanes do not answer one by one.
+// And the order of targets along a curve, of points as well.
 
 namespace alidade {
 

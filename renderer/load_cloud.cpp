@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <tuple>
 
 #include "base/exact_math.h"
 #include "base/fingerprint.h"
@@ -16,6 +17,7 @@
 #include "cloud/read_cloud.h"
 #include "image/color_points.h"
 #include "octree/build.h"
+#include "octree/distance.h"
 #include "octree/index_file/index_file.h"
 #include "octree/index_file/index_header.h"
 #include "octree/query.h"
@@ -156,9 +158,11 @@ std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::d
                  spheres);
   std::optional<SphereAround> nearest;
   for (const PointSphere& sphere : spheres) {
-    const double away = distance(position, sphere.center);
-    if (!nearest || away < nearest->distance)
-      nearest = {point_id(cloud.octree.view(), sphere.index), sphere.radius, away};
+    const SphereAround around{point_id(cloud.octree.view(), sphere.index), sphere.radius,
+                              distance(position, sphere.center)};
+    if (!nearest ||
+        std::tie(around.distance, around.point_id) < std::tie(nearest->distance, nearest->point_id))
+      nearest = around;
   }
   return nearest;
 }

@@ -181,7 +181,7 @@ inline bool is_counted(const Occluders& occluders, std::uint64_t point_id) {
 /// The filter that admits these; empty if all are.
 inline CandidateFilter::Function counted_alone(const Occluders& occluders) {
   if (!occluders.options().counts) return {};
-  return [&occluders](const Candidate& point) { return occluders.options().counts(point.point_id); };
+  return [&occluders](const Candidate& point) { return is_counted(occluders, point.point_id); };
 }
 
 /// As position_crossing(); empty for points that OccluderOptions::counts does not admit.

@@ -32,8 +32,10 @@ Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const
     octree_ = with_spacings(octree_, k_surface_neighbours, progress);
   }
   if (has_surfaces()) octree_ = with_surfaces(octree_, progress);
-  if (!options.radius)
+  if (!options.radius) {
     surfaces_ = has_surfaces() ? SurfaceCloud::of_discs(octree_) : SurfaceCloud::of_spheres(octree_);
+    octree_ = surfaces_.octree();
+  }
   if (options.radius) {
     typical_radius_ = largest_radius_ = *options.radius;
   } else {

@@ -315,10 +315,6 @@ const AttributeColumns& IndexFile::columns() const {
   return state_->columns;
 }
 
-std::shared_ptr<const void> IndexFile::storage() const {
-  return state_;
-}
-
 AttributeSet IndexFile::attributes() const {
   AttributeSet set;
   for (std::uint32_t bit = 1; bit <= static_cast<std::uint32_t>(Attribute::extra_dimensions); bit <<= 1) {

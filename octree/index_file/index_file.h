@@ -67,8 +67,6 @@ class IndexFile {
   const TreeView& tree(const Progress& progress = {}) const;
   /// tree() as an octree with the layers of the file, which keeps the map alive.
   Octree octree(const Progress& progress = {}) const;
-  /// What keeps the map alive.
-  std::shared_ptr<const void> storage() const;
 
   /// Reads everything: all checksums, that the tree is one and holds each point once inside its boxes, and
   /// that the gaps between the sections are zero. `progress` is in bytes. Cost: as fast as the disk delivers,
