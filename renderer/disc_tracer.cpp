@@ -119,18 +119,16 @@ DiscCloud::SheetSums DiscCloud::blend(const Ray& ray, const DiscHit& hit,
   return sums;
 }
 
-DiscHit DiscCloud::disc_hit(const Ray& ray, const Hit& first, bool blends,
+DiscHit DiscCloud::disc_hit(const Ray& ray, const SurfaceHit& first, bool blends,
                             std::vector<PointSphere>& around) const {
   DiscHit hit{.t = first.t, .point_id = first.point_id, .color = color_of(first.point_id)};
-  const PointSurface surface = surfaces_.surface(first.point_id);
+  const PointSurface surface = surfaces_.surface_at(first.index);
   const glm::dvec3 met = ray.origin + first.t * ray.direction;
   if (!surface.exists) {
     hit.sheet.normal = glm::normalize(met - first.position);
     return hit;  // whose sphere no ray meets that begins on it
   }
-  Hit on_sphere = first;
-  on_sphere.t = project(ray, first.position).t;
-  const double radius = sphere_radius(query_, on_sphere);
+  const double radius = own_radius(query_, spacing_at(surfaces_.view().layers, first.index));
   const PointDisc disc = point_disc(first.position, surface, radius);
   hit.sheet = {.normal = glm::dot(disc.normal, ray.direction) > 0.0 ? -disc.normal : disc.normal,
                .reach = static_cast<float>(k_sheet_radii * radius),
@@ -149,13 +147,12 @@ DiscHit DiscCloud::disc_hit(const Ray& ray, const Hit& first, bool blends,
 
 void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
                         std::span<std::optional<DiscHit>> hits) const {
-  std::vector<std::optional<Hit>> first(rays.size());
+  std::vector<std::optional<SurfaceHit>> first(rays.size());
   alidade::closest(surfaces_, rays, query_of(origins), first);
   // What is stored by point id is far apart.
   constexpr std::size_t k_ahead = 16;
   const auto fetch = [&](std::size_t i) {
     if (i >= rays.size() || !first[i]) return;
-    __builtin_prefetch(surfaces_.view().layers.surfaces + first[i]->point_id);
     if (!colors_.deep().empty()) __builtin_prefetch(colors_.deep().data() + first[i]->point_id);
     if (!colors_.shallow().empty()) __builtin_prefetch(colors_.shallow().data() + first[i]->point_id);
   };
@@ -181,10 +178,10 @@ struct DiscCloud::Rim {
   double passed;  ///< of the way behind that still belongs to it, metres
 };
 
-std::optional<DiscCloud::Rim> DiscCloud::rim(const Ray& ray, std::size_t number, const Hit& first,
+std::optional<DiscCloud::Rim> DiscCloud::rim(const Ray& ray, std::size_t number, const SurfaceHit& first,
                                              double before, std::vector<PointSphere>& around) const {
   const double chord = project(ray, first.position).t - first.t;
-  if (!surfaces_.surface(first.point_id).exists) return Rim{number, before + first.t, {}, 2.0 * chord};
+  if (!surfaces_.surface_at(first.index).exists) return Rim{number, before + first.t, {}, 2.0 * chord};
   const DiscHit hit = disc_hit(ray, first, false, around);
   const glm::dvec3 met = ray.origin + first.t * ray.direction, normal = hit.sheet.normal;
   SurfaceQuery reached = query_;
@@ -201,9 +198,10 @@ std::optional<DiscCloud::Rim> DiscCloud::rim(const Ray& ray, std::size_t number,
   return Rim{number, before + first.t, hit.sheet, 0.0};
 }
 
-HitTrust DiscCloud::trust_amid(const Ray& ray, const Hit& first, std::vector<PointSphere>& around) const {
+HitTrust DiscCloud::trust_amid(const Ray& ray, const SurfaceHit& first,
+                               std::vector<PointSphere>& around) const {
   constexpr double k_least_share = 0.01;  // of the radius
-  const PointSurface surface = surfaces_.surface(first.point_id);
+  const PointSurface surface = surfaces_.surface_at(first.index);
   if (!surface.exists) return {project(ray, first.position).t - first.t, 1};
   const DiscHit hit = disc_hit(ray, first, false, around);
   const SheetSums sums = blend(ray, hit, around);
@@ -218,7 +216,7 @@ void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) co
   wide.discs->edge_shift += k_shift;
   wide.discs->lone_factor *= k_larger;
   wide.spacing_factor *= k_wider;
-  std::vector<std::optional<Hit>> first(rays.size()), earlier(rays.size());
+  std::vector<std::optional<SurfaceHit>> first(rays.size()), earlier(rays.size());
   alidade::closest(surfaces_, rays, query_, first);
   alidade::closest(surfaces_, rays, wide, earlier);
   std::vector<PointSphere> around;
@@ -239,7 +237,7 @@ void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) co
       on.push_back({ray.origin + at.t * ray.direction, ray.direction, at.passed, ray.t_max - at.t});
       sheets.push_back(at.sheet);
     }
-    std::vector<std::optional<Hit>> behind(on.size());
+    std::vector<std::optional<SurfaceHit>> behind(on.size());
     alidade::closest(surfaces_, on, query_of(sheets), behind);
     std::vector<Rim> next;
     for (std::size_t i = 0; i < rims.size(); ++i) {

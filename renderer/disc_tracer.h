@@ -67,13 +67,14 @@ class DiscCloud {
 
   /// For rays that begin there.
   SurfaceQuery query_of(std::span<const SheetOrigin> origins) const;
-  DiscHit disc_hit(const Ray& ray, const Hit& first, bool blends, std::vector<PointSphere>& around) const;
+  DiscHit disc_hit(const Ray& ray, const SurfaceHit& first, bool blends,
+                   std::vector<PointSphere>& around) const;
   /// Over the discs of the sheet around a hit on one of them. around: room.
   SheetSums blend(const Ray& ray, const DiscHit& hit, std::vector<PointSphere>& around) const;
   /// How far a hit is to be trusted that is not at a rim.
-  HitTrust trust_amid(const Ray& ray, const Hit& first, std::vector<PointSphere>& around) const;
+  HitTrust trust_amid(const Ray& ray, const SurfaceHit& first, std::vector<PointSphere>& around) const;
   /// The hit as that of a rim, unless points of its sheet surround it. before: t where the ray begins.
-  std::optional<Rim> rim(const Ray& ray, std::size_t number, const Hit& first, double before,
+  std::optional<Rim> rim(const Ray& ray, std::size_t number, const SurfaceHit& first, double before,
                          std::vector<PointSphere>& around) const;
   Color16 color_of(std::uint64_t point_id) const { return colors_.empty() ? Color16(0) : colors_[point_id]; }
 

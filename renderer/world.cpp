@@ -224,22 +224,25 @@ Ray World::interval(const Ray& ray, double t) const {
 
 void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
                          std::span<std::optional<Intersection>> met) const {
-  const std::optional<SurfaceQuery>& own_radii = cloud_->own_radii;
-  std::vector<std::optional<Hit>> hits(rays.size());
-  if (own_radii)
-    closest(*cloud_->surfaces, rays, *own_radii, hits);
-  else
-    closest(*cloud_->octree, rays, cloud_->query, hits);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const std::optional<Hit>& hit = hits[i];
-    std::optional<Intersection>& best = met[numbers[i]];
-    if (!hit || (best && hit->entry >= best->t)) continue;
-    best = {.t = hit->entry,
-            .on_cloud = true,
-            .index = hit->point_id,
-            .center = hit->position,
-            .radius = own_radii ? sphere_radius(*own_radii, *hit) : cloud_->query.radius};
-  }
+  const auto meet = [&](const auto& cloud, const auto& query, const auto& radius_of) {
+    std::vector<decltype(closest(cloud, rays.front(), query))> hits(rays.size());
+    closest(cloud, rays, query, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto& hit = hits[i];
+      std::optional<Intersection>& best = met[numbers[i]];
+      if (!hit || (best && hit->entry >= best->t)) continue;
+      best = {.t = hit->entry,
+              .on_cloud = true,
+              .index = hit->point_id,
+              .center = hit->position,
+              .radius = radius_of(*hit)};
+    }
+  };
+  if (!cloud_->own_radii)
+    return meet(*cloud_->octree, cloud_->query, [&](const Hit&) { return cloud_->query.radius; });
+  meet(*cloud_->surfaces, *cloud_->own_radii, [&](const SurfaceHit& hit) {
+    return own_radius(*cloud_->own_radii, spacing_at(cloud_->octree->layers(), hit.index));
+  });
 }
 
 void World::meet_discs(std::span<const Ray> rays, std::span<const SheetOrigin> sheets,

@@ -45,7 +45,7 @@ struct CloudGeometry {
   bool shows_normals = false;  ///< the colour of a surface is the way it faces, not that of its point
   RayQuery query;              ///< its entry_min is above the rounding of coordinates
   const SurfaceCloud* surfaces = nullptr;
-  std::optional<SurfaceQuery> own_radii;  ///< in place of `query`, of points with radii of their own
+  std::optional<SurfaceQuery> own_radii{};  ///< in place of `query`, of points with radii of their own
   Material material;
 };
 

@@ -13,11 +13,6 @@
 
 namespace alidade {
 
-/// Radius of a point with this spacing.
-inline double own_radius(const SurfaceQuery& query, double spacing) {
-  return std::min(query.radius, query.spacing_factor * spacing);
-}
-
 /// Radius of the sphere of a point without a sheet, whose own radius is this: see DiscQuery. Requires discs.
 inline double lone_radius(const SurfaceQuery& query, double radius) {
   return std::min(

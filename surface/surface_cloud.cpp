@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <new>
 #include <thread>
@@ -47,8 +46,6 @@ class OnDemandFitter : public LeafFitter {
   /// Points to the arrays that are filled in.
   void add_to(SurfaceView& view) const {
     view.layers.surface_unit = unit_;
-    view.layers.surfaces = by_id_.surfaces.data();
-    view.layers.sheet_edges = by_id_.edges.data();
     view.stored_surfaces = stored_.surfaces.data();
     view.stored_edges = stored_.edges.data();
     view.fitter = this;
@@ -59,7 +56,6 @@ class OnDemandFitter : public LeafFitter {
       : LeafFitter(octree.view(), stored.edges.data()),
         octree_(octree),
         unit_(automatic_radius(octree)),
-        by_id_(octree.size(), octree.scratch()),
         stored_(std::move(stored)),
         fitters_([this] { return surface_fitter(octree_, unit_); }) {
     constexpr std::uint32_t k_grain = 1 << 16;
@@ -79,12 +75,8 @@ class OnDemandFitter : public LeafFitter {
     }
     try {
       const LeafSurfaces& fitted = fitters_.local()(leaf);
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const std::uint64_t id = point_id(octree_.view(), leaf.first + i);
-        by_id_.surfaces[id] = stored_.surfaces[leaf.first + i] = fitted.surfaces[i];
-        by_id_.edges[id] = fitted.edges[i];
-        if (i > 0) stored_.edges[leaf.first + i] = fitted.edges[i];
-      }
+      std::copy_n(fitted.surfaces, leaf.count, stored_.surfaces.data() + leaf.first);
+      std::copy_n(fitted.edges + 1, leaf.count - 1, stored_.edges.data() + leaf.first + 1);
       state.store(fitted.edges[0], std::memory_order_release);
     } catch (...) {
       state.store(k_untouched, std::memory_order_release);
@@ -94,7 +86,7 @@ class OnDemandFitter : public LeafFitter {
 
   const Octree octree_;
   const double unit_;
-  mutable SurfaceArrays by_id_, stored_;
+  mutable SurfaceArrays stored_;
   mutable tbb::enumerable_thread_specific<FitLeaf> fitters_;
 };
 
@@ -156,13 +148,15 @@ class SurfaceTree : public OctreeTree {
 /// The target to it. No point's radius is above the query's.
 class SurfaceTarget {
  public:
-  using Answer = Hit;
+  using Answer = SurfaceHit;
 
   SurfaceTarget(const SurfaceView& view, const Ray& ray, const SurfaceQuery& query, std::size_t query_index)
       : view_(view), ray_(ray), query_(query), query_index_(query_index) {}
 
-  std::optional<Hit> evaluate(const glm::dvec3& position, std::uint64_t index) const {
-    return alidade::evaluate(ray_, query_, view_, static_cast<std::uint32_t>(index), position, query_index_);
+  std::optional<SurfaceHit> evaluate(const glm::dvec3& position, std::uint64_t point) const {
+    const auto index = static_cast<std::uint32_t>(point);
+    const auto hit = alidade::evaluate(ray_, query_, view_, index, position, query_index_);
+    return hit ? std::optional(SurfaceHit{*hit, index}) : std::nullopt;
   }
   double measured(const Hit& hit) const { return alidade::measured(order_of(query_), hit); }
   bool precedes(const Hit& a, const Hit& b) const { return alidade::precedes(order_of(query_), a, b); }
@@ -199,12 +193,12 @@ bool has_traversal(const SurfaceView& view, const SurfaceQuery& query) {
 }
 
 /// By Algorithm 1, for rays that lanes do not answer.
-std::optional<Hit> first_by_walk(const SurfaceView& view, const Ray& ray, const SurfaceQuery& query,
-                                 std::size_t query_index) {
+std::optional<SurfaceHit> first_by_walk(const SurfaceView& view, const Ray& ray, const SurfaceQuery& query,
+                                        std::size_t query_index) {
   const SurfaceTarget target(view, ray, query, query_index);
   Nearest first(target, 1);
   tree_query(SurfaceTree(view), target, first);
-  const std::vector<Hit> hits = first.in_order();
+  const std::vector<SurfaceHit> hits = first.in_order();
   return hits.empty() ? std::nullopt : std::optional(hits.front());
 }
 
@@ -319,7 +313,7 @@ void check(const SurfaceQuery& query, std::size_t rays) {
 }
 
 void closest(const SurfaceCloud& cloud, std::span<const Ray> rays, const SurfaceQuery& query,
-             std::span<std::optional<Hit>> hits) {
+             std::span<std::optional<SurfaceHit>> hits) {
   answer_batch(cloud, rays, query, hits,
                simd::surface_traversal(cloud.octree().instruction_set()).closest_stream, first_by_walk);
 }
@@ -330,7 +324,7 @@ void occluded(const SurfaceCloud& cloud, std::span<const Ray> rays, const Surfac
                simd::surface_traversal(cloud.octree().instruction_set()).occluded_stream, any_by_walk);
 }
 
-std::optional<Hit> closest(const SurfaceCloud& cloud, const Ray& ray, const SurfaceQuery& query) {
+std::optional<SurfaceHit> closest(const SurfaceCloud& cloud, const Ray& ray, const SurfaceQuery& query) {
   return answer_one(cloud, ray, query, simd::surface_traversal(cloud.octree().instruction_set()).closest,
                     first_by_walk);
 }
@@ -338,17 +332,6 @@ std::optional<Hit> closest(const SurfaceCloud& cloud, const Ray& ray, const Surf
 bool occluded(const SurfaceCloud& cloud, const Ray& ray, const SurfaceQuery& query) {
   return answer_one(cloud, ray, query, simd::surface_traversal(cloud.octree().instruction_set()).occluded,
                     any_by_walk);
-}
-
-double sphere_radius(const SurfaceQuery& query, const Hit& hit) {
-  // Rounding of t is distinguished from other spacings, which differ in eight bits.
-  constexpr double k_rounding = 1e-8;
-  const double half_chord = hit.t - hit.entry;
-  const double radius = std::sqrt(hit.distance * hit.distance + half_chord * half_chord);
-  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(radius / query.spacing_factor));
-  const double spacing = spacing_of(static_cast<std::uint16_t>((bits + 0x8000u) >> 16));
-  const double own = own_radius(query, spacing);
-  return std::fabs(own - radius) <= k_rounding * radius ? own : query.radius;
 }
 
 }  // namespace alidade

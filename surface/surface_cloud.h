@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -19,7 +20,7 @@
 //
 //   const SurfaceCloud cloud = SurfaceCloud::of_discs(with_spacings(build(points), k_surface_neighbours));
 //   const SurfaceQuery query{.radius = 0.5, .spacing_factor = k_disc_spacings, .discs = DiscQuery{}};
-//   if (std::optional<Hit> hit = closest(cloud, ray, query)) use(ray.position(hit->t));
+//   if (std::optional<SurfaceHit> hit = closest(cloud, ray, query)) use(ray.position(hit->t));
 
 namespace alidade {
 
@@ -51,8 +52,8 @@ class SurfaceCloud {
   /// Points as discs. Surfaces that the octree lacks are fitted by the queries, those of
   /// each leaf once, when they examine its points; answers are the same, and so are the surfaces of points
   /// that were an answer. Cost: some 20 nanoseconds of one thread per point, in parallel, and 5 B per point,
-  /// of a mapped file 13 B: coordinates and spacings go to huge pages if there is room. Without surfaces 10 B
-  /// per point, and that of with_surfaces() per point of the leaves that queries examine. Beside these 96 B
+  /// of a mapped file 13 B: coordinates and spacings go to huge pages if there is room. Without surfaces 5 B per
+  /// point, and the time of with_surfaces() per point of the leaves that queries examine. Beside these 96 B
   /// per node.
   static SurfaceCloud of_discs(const Octree& octree);
 
@@ -61,10 +62,8 @@ class SurfaceCloud {
   const Octree& octree() const { return octree_; }
   const SurfaceView& view() const { return view_; }
   bool has_discs() const { return view_.stored_surfaces != nullptr; }
-  /// The surface of a point, by id. Requires discs, and that the octree had surfaces, a query has answered
-  /// with the point, or fit_all().
-  PointSurface surface(std::uint64_t point_id) const { return surface_of(view_.layers, point_id); }
-  /// The surface of the point at a storage index. Requires discs, and that a query has examined its leaf.
+  /// The surface of the point at a storage index. Requires discs, and that a query has answered with the point
+  /// or examined its leaf, or fit_all().
   PointSurface surface_at(std::uint32_t index) const {
     return unpack_surface(view_.stored_surfaces[index], view_.layers.surface_unit);
   }
@@ -113,6 +112,18 @@ struct SurfaceQuery {
   std::optional<DiscQuery> discs{};  ///< empty: points are spheres
 };
 
+/// A point that answers a ray.
+struct SurfaceHit : Hit {
+  std::uint32_t index = 0;  ///< storage index of the point
+
+  bool operator==(const SurfaceHit&) const = default;
+};
+
+/// The radius that a query gives a point with this spacing, metres.
+inline double own_radius(const SurfaceQuery& query, double spacing) {
+  return std::min(query.radius, query.spacing_factor * spacing);
+}
+
 /// Errors: of radius, measure and entry_min those of RayQuery; Measure::distance; spacing_factor not above 0
 /// or not finite; with discs: an infinite radius, lone_factor or lone_radius negative or NaN, edge_shift not
 /// finite, or `begins` that are neither as many as the rays nor none.
@@ -121,17 +132,12 @@ void check(const SurfaceQuery& query, std::size_t rays);
 // As the functions of these names in octree/query.h. Answers equal those of surface/brute_force_surface.h bit
 // for bit. Errors beside those of check() and those of rays: discs in a cloud that has none.
 
-std::optional<Hit> closest(const SurfaceCloud& cloud, const Ray& ray, const SurfaceQuery& query);
+std::optional<SurfaceHit> closest(const SurfaceCloud& cloud, const Ray& ray, const SurfaceQuery& query);
 void closest(const SurfaceCloud& cloud, std::span<const Ray> rays, const SurfaceQuery& query,
-             std::span<std::optional<Hit>> hits);
+             std::span<std::optional<SurfaceHit>> hits);
 bool occluded(const SurfaceCloud& cloud, const Ray& ray, const SurfaceQuery& query);
 void occluded(const SurfaceCloud& cloud, std::span<const Ray> rays, const SurfaceQuery& query,
               std::span<std::uint8_t> answers);
-
-/// The radius that a point had when a query found it as a sphere: the same bits whatever the ray, and those
-/// of the query's own unless a point's radius and the query's differ by less than 1e-8 of it, where it may be
-/// the other. Requires |t| below 10^6 radii.
-double sphere_radius(const SurfaceQuery& query, const Hit& hit);
 
 /// A point with a radius of its own.
 struct PointSphere {

@@ -157,7 +157,6 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
     filter.of_position = collect;
   }
   std::vector<Ray> rays;
-  std::vector<std::optional<Hit>> ends;
   const auto keep_going = [&] {
     std::erase_if(open_lines, [&](const OpenLine& line) {
       if (line.has_ended()) blockers[line.line()] = line.blocker();
@@ -169,9 +168,9 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
     occluders.check_given_up();
     rays.clear();
     for (const OpenLine& line : open_lines) rays.push_back(line.ray());
-    ends.resize(rays.size());
     with_query(occluders, [&](const auto& cloud, auto query) {
       query.filter = filter;
+      std::vector<decltype(closest(cloud, rays.front(), query))> ends(rays.size());
       closest(cloud, rays, query, ends);
     });
     for (OpenLine& line : open_lines) line.advance();

@@ -207,13 +207,14 @@ void in_parts(const Occluders& occluders, std::span<const SightLine> lines, std:
 void first_points(const Occluders& occluders, std::span<const SightLine> all,
                   std::span<std::optional<Blocker>> all_blockers) {
   in_parts(occluders, all, all_blockers, [&](std::span<const SightLine> lines, auto blockers) {
-    std::vector<std::optional<Hit>> hits(lines.size());
     with_query(occluders, lines, [&](const auto& cloud, const auto& query) {
-      closest(cloud, rays_of(occluders, lines), query, hits);
-    });
-    in_parallel(lines.size(), k_grain, [&](std::size_t i) {
-      blockers[i].reset();
-      if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
+      const std::vector<Ray> rays = rays_of(occluders, lines);
+      std::vector<decltype(closest(cloud, rays.front(), query))> hits(lines.size());
+      closest(cloud, rays, query, hits);
+      in_parallel(lines.size(), k_grain, [&](std::size_t i) {
+        blockers[i].reset();
+        if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
+      });
     });
   });
 }

@@ -99,9 +99,11 @@ class LeafTest {
   }
 
   /// The ray's best point as a hit.
-  std::optional<Hit> answer(const ActiveRay& ray) const {
+  std::optional<typename Points::Answer> answer(const ActiveRay& ray) const {
     if (!ray.state.found()) return std::nullopt;
-    return in_double(ray, ray.state.best_position, ray.state.best_index);
+    const std::optional<Hit> best = in_double(ray, ray.state.best_position, ray.state.best_index);
+    if (!best) return std::nullopt;
+    return Points::answer(*best, ray.state.best_index);
   }
 
   /// Whether the query rejects the first position of a leaf, whatever ids the points there have.

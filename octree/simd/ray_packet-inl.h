@@ -390,16 +390,18 @@ class PacketHits {
   }
 
   /// Whether the point meets the conditions of the query.
-  HWY_INLINE bool write(const QuerySetup& setup, const Ray& ray, std::size_t lane,
-                        std::optional<Hit>& hit) const {
+  template <class Points>
+  HWY_INLINE bool write(const Points&, const QuerySetup& setup, const Ray& ray, std::size_t lane,
+                        std::optional<typename Points::Answer>& hit) const {
     if (!(distance_[lane] <= radius_[lane] && t_[lane] >= ray.t_min && t_[lane] <= ray.t_max &&
           entry_[lane] >= setup.query.entry_min))
       return false;
-    hit = Hit{point_id(setup.tree, index_[lane]),
-              {position_[0][lane], position_[1][lane], position_[2][lane]},
-              t_[lane],
-              distance_[lane],
-              entry_[lane]};
+    hit = Points::answer({point_id(setup.tree, index_[lane]),
+                          {position_[0][lane], position_[1][lane], position_[2][lane]},
+                          t_[lane],
+                          distance_[lane],
+                          entry_[lane]},
+                         index_[lane]);
     return true;
   }
 

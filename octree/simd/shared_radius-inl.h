@@ -29,6 +29,9 @@ class LeafGroupTest;
 template <Measure order>
 class SharedRadius {
  public:
+  using Answer = Hit;
+  /// index: storage index of the point.
+  static Answer answer(const Hit& hit, std::uint32_t /*index*/) { return hit; }
   /// By what answers are ordered. Of discs t is that of the crossing.
   static constexpr Measure measure = order;
   /// With own_radii there are, in floats not below them, radii(lanes, storage index) of points, and

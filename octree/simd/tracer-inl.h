@@ -158,7 +158,7 @@ class Tracer {
   }
 
   /// The answer to a query for any point, or for the closest one.
-  using Answer = std::conditional_t<any, std::uint8_t, std::optional<Hit>>;
+  using Answer = std::conditional_t<any, std::uint8_t, std::optional<typename Points::Answer>>;
 
   /// Answers all rays; answers: as long as they.
   void answer_all(std::span<Answer> answers) const {
@@ -307,7 +307,7 @@ class Tracer {
         answers[number] = 1;
       } else {
         // Coordinates of a damaged index file can lie where floats are sure of them and doubles are not.
-        if (!hits.write(setup_, rays_[number], lane, answers[number]))
+        if (!hits.write(points_, setup_, rays_[number], lane, answers[number]))
           answers[number] = answer(std::size_t{number});
       }
     }
@@ -406,10 +406,10 @@ class Tracer {
 
 /// The functions of a table. with_tracer: a struct whose call<any>(view, query, rays, first_index, use) calls
 /// use with the Tracer that suits a query. any: the measure does not matter.
-template <class View, class Query, class WithTracer>
+template <class View, class Query, class AnswerHit, class WithTracer>
 struct TraversalBy {
-  static std::optional<Hit> closest(const View& view, const Ray& ray, const Query& query,
-                                    std::size_t query_index) {
+  static std::optional<AnswerHit> closest(const View& view, const Ray& ray, const Query& query,
+                                          std::size_t query_index) {
     return WithTracer::template call<false>(view, query, std::span(&ray, 1), query_index,
                                             [](const auto& tracer) { return tracer.answer(std::size_t{0}); });
   }
@@ -419,7 +419,7 @@ struct TraversalBy {
         [](const auto& tracer) { return tracer.answer(std::size_t{0}) != 0; });
   }
   static void closest_stream(const View& view, std::span<const Ray> rays, const Query& query,
-                             std::size_t first_index, std::span<std::optional<Hit>> hits) {
+                             std::size_t first_index, std::span<std::optional<AnswerHit>> hits) {
     WithTracer::template call<false>(view, query, rays, first_index,
                                      [&](const auto& tracer) { tracer.answer_all(hits); });
   }
@@ -428,7 +428,8 @@ struct TraversalBy {
     WithTracer::template call<true>(view, query, rays, first_index,
                                     [&](const auto& tracer) { tracer.answer_all(answers); });
   }
-  static constexpr RayTraversal<View, Query> k_table{closest, occluded, closest_stream, occluded_stream};
+  static constexpr RayTraversal<View, Query, AnswerHit> k_table{closest, occluded, closest_stream,
+                                                                occluded_stream};
 };
 
 }  // namespace HWY_NAMESPACE

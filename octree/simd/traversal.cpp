@@ -29,7 +29,7 @@ struct OctreeTracers {
   }
 };
 
-constexpr Traversal k_traversal = TraversalBy<TreeView, RayQuery, OctreeTracers>::k_table;
+constexpr Traversal k_traversal = TraversalBy<TreeView, RayQuery, Hit, OctreeTracers>::k_table;
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd

@@ -17,20 +17,20 @@ namespace alidade::simd {
 /// all sets give the same bits. View: TreeView, or what has one and more of its points. Requires: a checked
 /// query that is not by distance, checked rays with directions of length 1 but for rounding, a tree that is
 /// not empty, no length beyond 1e15.
-template <class View, class Query>
+template <class View, class Query, class Answer>
 struct RayTraversal {
-  std::optional<Hit> (*closest)(const View& view, const Ray& ray, const Query& query,
-                                std::size_t query_index);
+  std::optional<Answer> (*closest)(const View& view, const Ray& ray, const Query& query,
+                                   std::size_t query_index);
   bool (*occluded)(const View& view, const Ray& ray, const Query& query, std::size_t query_index);
   /// Many rays on one thread, through the tree together: the faster the more of the tree they share.
   /// first_index: query_index of rays[0].
   void (*closest_stream)(const View& view, std::span<const Ray> rays, const Query& query,
-                         std::size_t first_index, std::span<std::optional<Hit>> hits);
+                         std::size_t first_index, std::span<std::optional<Answer>> hits);
   void (*occluded_stream)(const View& view, std::span<const Ray> rays, const Query& query,
                           std::size_t first_index, std::span<std::uint8_t> answers);
 };
 
-using Traversal = RayTraversal<TreeView, RayQuery>;
+using Traversal = RayTraversal<TreeView, RayQuery, Hit>;
 
 /// The traversal for an available instruction set (not `best`).
 const Traversal& traversal(InstructionSet instruction_set);

@@ -60,6 +60,8 @@ class OwnRadii {
 template <Measure order>
 class OwnPoints {
  public:
+  using Answer = SurfaceHit;
+  static Answer answer(const Hit& hit, std::uint32_t index) { return {hit, index}; }
   static constexpr Measure measure = order;
   static constexpr bool own_radii = true;
 

@@ -32,7 +32,7 @@ struct SurfaceTracers {
 };
 
 constexpr SurfaceTraversal k_surface_traversal =
-    TraversalBy<SurfaceView, SurfaceQuery, SurfaceTracers>::k_table;
+    TraversalBy<SurfaceView, SurfaceQuery, SurfaceHit, SurfaceTracers>::k_table;
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd

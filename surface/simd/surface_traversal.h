@@ -7,7 +7,7 @@
 
 namespace alidade::simd {
 
-using SurfaceTraversal = RayTraversal<SurfaceView, SurfaceQuery>;
+using SurfaceTraversal = RayTraversal<SurfaceView, SurfaceQuery, SurfaceHit>;
 
 /// The traversal for an available instruction set (not `best`).
 const SurfaceTraversal& surface_traversal(InstructionSet instruction_set);

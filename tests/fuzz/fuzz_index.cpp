@@ -51,13 +51,14 @@ void ask(const IndexFile& index) {
   }
   std::vector<std::optional<Hit>> hits(rays.size());
   closest(octree, rays, {.radius = 1.0}, hits);
-  if (spheres) closest(*spheres, rays, own_radii, hits);
+  std::vector<std::optional<SurfaceHit>> met(rays.size());
+  if (spheres) closest(*spheres, rays, own_radii, met);
   count(octree, bounds, {});
   if (octree.layers().surfaces) {
     for (std::uint64_t id = 0; id < octree.size(); ++id)
       if (!(glm::length(surface_of(octree.layers(), id).normal) > 0.9)) std::abort();
     const SurfaceQuery discs{.radius = 2.0, .spacing_factor = 0.5, .discs = DiscQuery{}};
-    closest(SurfaceCloud::of_discs(octree), rays, discs, hits);
+    closest(SurfaceCloud::of_discs(octree), rays, discs, met);
   }
   if (octree.size() > 0) {
     for (const PointHit& hit : find(octree, bounds.center(), {.k = 5})) check_id(octree, hit.point_id);

@@ -40,22 +40,22 @@ inline LoadedCloud disc_cloud(const std::vector<glm::dvec3>& points, Random& ran
   return cloud;
 }
 
-/// The points of a cloud in the order of the storage indices, with all that discs are made of. Fits all
-/// surfaces that are not.
+/// The points of a cloud in the order of the storage indices, with all that discs are made of.
 struct PlainPoints {
   explicit PlainPoints(const LoadedCloud& loaded)
-      : layers(loaded.surfaces.view().layers),
+      : octree(with_surfaces(loaded.octree)),
+        layers(octree.layers()),
         query{.radius = loaded.radius,
               .spacing_factor = loaded.spacing_factor,
               .discs = DiscQuery{.lone_radius = loaded.lone_radius}},
         spacings(spacings_by_id(loaded.octree)) {
-    loaded.surfaces.fit_all();  // what is not met by a ray of the renderer first
-    const TreeView& tree = loaded.octree.view();
+    const TreeView& tree = octree.view();
     cloud.lattice = tree.lattice;
     cloud.positions = positions_in_order(tree);
     for (std::uint32_t index = 0; index < tree.point_count; ++index) ids.push_back(point_id(tree, index));
   }
 
+  const Octree octree;
   const PointLayers& layers;
   const SurfaceQuery query;
   const std::vector<double> spacings;  ///< by id

@@ -66,7 +66,8 @@ void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int leas
     const std::uint64_t id = random.below(points.cloud.size());
     const glm::dvec3 origin = leaves ? points.cloud.world(id) : glm::dvec3(2, 1, 1) + 4.0 * random.in_cube();
     rays.push_back(make_ray(origin, random.direction(), 0.0, i % 5 == 0 ? random.between(0.0, 6.0) : 1e9));
-    origins.push_back(leaves ? SheetOrigin{cloud.surfaces.surface(id).normal, 0.3f, 0.02f} : SheetOrigin{});
+    origins.push_back(leaves ? SheetOrigin{surface_of(points.layers, id).normal, 0.3f, 0.02f}
+                             : SheetOrigin{});
   }
   std::vector<std::optional<DiscHit>> hits(rays.size());
   std::vector<std::uint8_t> blocked(rays.size());

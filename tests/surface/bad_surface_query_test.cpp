@@ -46,7 +46,7 @@ void expect_error(const Run& run, const std::string& why) {
 void expect_rejected_by(const SurfaceCloud& cloud, const Ray& ray, const SurfaceQuery& query,
                         const std::string& why) {
   const std::vector<Ray> rays{ray};
-  std::vector<std::optional<Hit>> hits(1);
+  std::vector<std::optional<SurfaceHit>> hits(1);
   std::vector<std::uint8_t> blocked(1);
   expect_error([&] { (void)closest(cloud, ray, query); }, why);
   expect_error([&] { (void)occluded(cloud, ray, query); }, why);
@@ -119,7 +119,7 @@ TEST(BadSurfaceQuery, sheets_that_are_not_as_many_as_the_rays_are_an_error) {
   expect_rejected(good_ray(), query, why);
   const SurfaceCloud discs = SurfaceCloud::of_discs(spaced());
   const std::vector<Ray> rays(3, good_ray());
-  std::vector<std::optional<Hit>> hits(3);
+  std::vector<std::optional<SurfaceHit>> hits(3);
   std::vector<std::uint8_t> blocked(3);
   expect_error([&] { closest(discs, rays, query, hits); }, why);
   expect_error([&] { occluded(discs, rays, query, blocked); }, why);
@@ -149,7 +149,7 @@ TEST(BadSurfaceQuery, what_is_no_ray_is_an_error_that_names_its_number) {
   expect_rejected({{0, 0, 0}, {0, 1, 0}, k_nan, 1.0}, query, "a limit of the interval is NaN");
   const SurfaceCloud spheres = SurfaceCloud::of_spheres(spaced());
   const std::vector<Ray> rays{good_ray(), {{0, 0, 0}, {0, 2, 0}}};
-  std::vector<std::optional<Hit>> hits(2);
+  std::vector<std::optional<SurfaceHit>> hits(2);
   std::vector<std::uint8_t> blocked(2);
   expect_error([&] { closest(spheres, rays, query, hits); }, "ray 1: ");
   expect_error([&] { occluded(spheres, rays, query, blocked); }, "ray 1: ");
@@ -158,7 +158,7 @@ TEST(BadSurfaceQuery, what_is_no_ray_is_an_error_that_names_its_number) {
 TEST(BadSurfaceQuery, a_batch_whose_answers_have_no_room_is_an_error) {
   const SurfaceCloud spheres = SurfaceCloud::of_spheres(spaced());
   const std::vector<Ray> rays(3, good_ray());
-  std::vector<std::optional<Hit>> hits(2);
+  std::vector<std::optional<SurfaceHit>> hits(2);
   std::vector<std::uint8_t> blocked(4);
   const std::string why = "the span of answers does not match the targets";
   expect_error([&] { closest(spheres, rays, {.radius = 1.0}, hits); }, why);

@@ -95,7 +95,7 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
                                 follows && turn % 3 == 1 ? rays[0].direction + 0.01 * random.in_cube() : way,
                                 i % 4 == 0 ? random.between(-radius, radius) : 0.0));
       }
-      std::vector<std::optional<Hit>> hits(rays.size());
+      std::vector<std::optional<SurfaceHit>> hits(rays.size());
       std::vector<std::uint8_t> blocked(rays.size());
       closest(discs, rays, query, hits);
       occluded(discs, rays, query, blocked);
@@ -136,7 +136,7 @@ TEST_P(CrossingVsBruteForce, an_interval_that_is_the_crossing_alone_holds_it) {
         if (rays.size() % 8 == 0) break;
       }
     }
-    std::vector<std::optional<Hit>> hits(rays.size());
+    std::vector<std::optional<SurfaceHit>> hits(rays.size());
     std::vector<std::uint8_t> blocked(rays.size());
     closest(discs, rays, query, hits);
     occluded(discs, rays, query, blocked);
@@ -158,7 +158,7 @@ SheetOrigin sheet_at(const glm::dvec3& position, const std::optional<Hit>& met, 
   const auto random_disc = [&] {
     const std::uint64_t id =
         met && random.below(2) == 0 ? met->point_id : random.below(disc_case.cloud.size());
-    PointSurface surface = discs.surface(id);
+    PointSurface surface = surface_of(discs.octree().layers(), id);
     if (!surface.exists) surface.normal = random.direction();
     return point_disc(disc_case.cloud.world(id), surface, own_radius(query, disc_case.spacings[id]));
   };
@@ -208,7 +208,7 @@ TEST_P(CrossingVsBruteForce, the_sheet_that_a_ray_begins_on_is_not_met) {
                              : sheet_at(start, met, disc_case, discs, query, random));
         if (i % 9 == 8) rays.back() = test::beside_lanes(rays.back());
       }
-      std::vector<std::optional<Hit>> hits(rays.size()), of_all(rays.size());
+      std::vector<std::optional<SurfaceHit>> hits(rays.size()), of_all(rays.size());
       std::vector<std::uint8_t> blocked(rays.size());
       closest(discs, rays, query, of_all);
       query.discs->begins = begins;

@@ -110,11 +110,11 @@ TEST(Moments, are_the_same_bits_on_every_instruction_set) {
   }
 }
 
-const std::array<glm::vec2, simd::k_directions>& directions() {
-  static const std::array<glm::vec2, simd::k_directions> all = [] {
-    std::array<glm::vec2, simd::k_directions> made{};
-    for (int i = 0; i < simd::k_directions; ++i) {
-      const float angle = 6.2831853f * static_cast<float>(i) / simd::k_directions;
+const std::array<glm::vec2, packed_surface::k_edge_directions>& directions() {
+  static const std::array<glm::vec2, packed_surface::k_edge_directions> all = [] {
+    std::array<glm::vec2, packed_surface::k_edge_directions> made{};
+    for (int i = 0; i < packed_surface::k_edge_directions; ++i) {
+      const float angle = 6.2831853f * static_cast<float>(i) / packed_surface::k_edge_directions;
       made[i] = {std::cos(angle), std::sin(angle)};
     }
     return made;

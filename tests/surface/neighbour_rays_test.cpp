@@ -15,7 +15,7 @@
 #include "surface/surface_cloud.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"
-#include "tests/support/same_hits.h"
+#include "tests/surface/surface_cases.h"
 
 namespace alidade {
 namespace {
@@ -72,7 +72,7 @@ Rays neighbours(const PointCloud& cloud, bool from_floor, Random& random) {
 template <class Points, class Query, class ByBruteForce>
 void expect_answers(const Points& points, const std::vector<Ray>& rays, const Query& query,
                     const ByBruteForce& by_brute_force) {
-  std::vector<std::optional<Hit>> hits(rays.size());
+  std::vector<decltype(closest(points, rays.front(), query))> hits(rays.size());
   std::vector<std::uint8_t> blocked(rays.size());
   closest(points, rays, query, hits);
   occluded(points, rays, query, blocked);

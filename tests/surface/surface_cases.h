@@ -14,10 +14,17 @@
 #include "surface/surface_cloud.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"
+#include "tests/support/same_hits.h"
 
 // Clouds of discs, and queries of clouds whose points have radii of their own.
 
 namespace alidade::test {
+
+/// An answer beside one by brute force, which is without a storage index.
+inline ::testing::AssertionResult same_hits(const std::optional<SurfaceHit>& found,
+                                            const std::optional<Hit>& expected) {
+  return same_hits(std::optional<Hit>(found), expected);
+}
 
 /// The same conditions of points with radii of their own.
 inline SurfaceQuery with_own_radii(const RayQuery& query, double spacing_factor) {

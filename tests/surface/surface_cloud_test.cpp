@@ -76,12 +76,10 @@ TEST_P(SurfaceCloudOn, every_instruction_set_finds_all_spheres_that_hold_a_posit
   EXPECT_GT(held, 1000u);
 }
 
-/// Whether two clouds have the same surfaces and edges, in both of their orders.
+/// Whether two clouds have the same surfaces and edges.
 bool same_surfaces(const SurfaceView& a, const SurfaceView& b) {
   const std::size_t count = a.tree.point_count;
-  const PointLayers &x = a.layers, &y = b.layers;
-  return x.surface_unit == y.surface_unit && std::equal(x.surfaces, x.surfaces + count, y.surfaces) &&
-         std::equal(x.sheet_edges, x.sheet_edges + count, y.sheet_edges) &&
+  return a.layers.surface_unit == b.layers.surface_unit &&
          std::equal(a.stored_surfaces, a.stored_surfaces + count, b.stored_surfaces) &&
          std::equal(a.stored_edges, a.stored_edges + count, b.stored_edges);
 }
@@ -107,8 +105,8 @@ TEST_P(SurfaceCloudOn, every_instruction_set_fits_the_same_surfaces_on_demand) {
       SurfaceQuery query = test::disc_query(c.query, random);
       if (random.below(3) == 0)
         query.filter.of_position = [&](const Candidate& point) { return point.position.x > c.ray.origin.x; };
-      const std::optional<Hit> expected = closest(all, c.ray, query);
-      std::vector<std::optional<Hit>> hits(40);
+      const std::optional<SurfaceHit> expected = closest(all, c.ray, query);
+      std::vector<std::optional<SurfaceHit>> hits(40);
       const Ray by_walk = test::beside_lanes(c.ray);
       switch (random.below(4)) {
         case 0:
@@ -125,10 +123,11 @@ TEST_P(SurfaceCloudOn, every_instruction_set_fits_the_same_surfaces_on_demand) {
           break;
       }
       ASSERT_TRUE(same_hits(closest(discs, c.ray, query), expected));
-      const PointLayers &fitted = discs.view().layers, &whole = all.view().layers;
       if (expected) {
-        EXPECT_EQ(fitted.surfaces[expected->point_id], whole.surfaces[expected->point_id]);
-        EXPECT_EQ(fitted.sheet_edges[expected->point_id], whole.sheet_edges[expected->point_id]);
+        const std::uint32_t index = expected->index;
+        EXPECT_EQ(point_id(spaced.view(), index), expected->point_id);
+        EXPECT_EQ(discs.view().stored_surfaces[index], all.view().stored_surfaces[index]);
+        EXPECT_EQ(discs.view().stored_edges[index], all.view().stored_edges[index]);
       }
       std::vector<PointSphere> held;
       find_enclosing(discs, c.ray.origin, query, held);
@@ -153,7 +152,7 @@ TEST(SurfaceCloud, batches_whose_threads_touch_the_same_leaves_are_the_same) {
     rays.push_back(
         make_ray(family.cloud.world(random.below(family.cloud.size())) + random.in_cube(), random.in_cube()));
   const SurfaceQuery query{.radius = 1e9, .spacing_factor = 0.92, .discs = DiscQuery{}};
-  std::vector<std::optional<Hit>> expected(rays.size()), hits(rays.size());
+  std::vector<std::optional<SurfaceHit>> expected(rays.size()), hits(rays.size());
   closest(all, rays, query, expected);
   EXPECT_GT(std::ranges::count_if(expected, [](const auto& hit) { return hit.has_value(); }), 400);
   for (int round = 0; round < 20; ++round) {
@@ -188,7 +187,7 @@ class SurfaceCloudOfStreet : public ::testing::Test {
   Random random_;
 };
 
-TEST_F(SurfaceCloudOfStreet, returns_the_surfaces_of_its_octree_by_id_and_by_storage_index) {
+TEST_F(SurfaceCloudOfStreet, returns_the_surfaces_of_its_octree_by_storage_index) {
   EXPECT_EQ(discs_.size(), octree_.size());
   EXPECT_EQ(discs_.octree().layers().surfaces, octree_.layers().surfaces);
   EXPECT_TRUE(discs_.has_discs());
@@ -202,7 +201,6 @@ TEST_F(SurfaceCloudOfStreet, returns_the_surfaces_of_its_octree_by_id_and_by_sto
   for (std::uint32_t index = 0; index < octree_.size(); ++index) {
     const std::uint64_t id = point_id(octree_.view(), index);
     const PointSurface expected = surface_of(octree_.layers(), id);
-    expect_same(discs_.surface(id), expected);
     expect_same(discs_.surface_at(index), expected);
   }
 }
@@ -214,13 +212,13 @@ TEST_F(SurfaceCloudOfStreet, batches_answer_in_the_order_of_the_rays_on_any_numb
     // Some that lanes do not answer, at seams between tasks, too.
     for (std::size_t i = 255; i < count; i += 256) rays[i] = test::beside_lanes(rays[i]);
     for (const SurfaceQuery& query : {spheres_query_, disc_query_}) {
-      std::vector<std::optional<Hit>> expected;
+      std::vector<std::optional<SurfaceHit>> expected;
       for (const Ray& ray : rays) expected.push_back(closest(discs_, ray, query));
       EXPECT_GT(std::ranges::count_if(expected, [](const auto& hit) { return hit.has_value(); }),
                 static_cast<std::ptrdiff_t>(count / 20));
       for (const std::size_t threads : {1, 2, 5}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        std::vector<std::optional<Hit>> hits(count);
+        std::vector<std::optional<SurfaceHit>> hits(count);
         std::vector<std::uint8_t> blocked(count);
         closest(discs_, rays, query, hits);
         occluded(discs_, rays, query, blocked);
@@ -236,7 +234,7 @@ TEST_F(SurfaceCloudOfStreet, batches_answer_in_the_order_of_the_rays_on_any_numb
 /// The filter and the sheets that rays begin on go by the number of a ray in its batch, however large.
 TEST_F(SurfaceCloudOfStreet, filters_and_sheets_know_the_number_of_the_ray) {
   const std::vector<Ray> rays = scattered_rays(50000);
-  std::vector<std::optional<Hit>> all(rays.size()), odd(rays.size()), free(rays.size());
+  std::vector<std::optional<SurfaceHit>> all(rays.size()), odd(rays.size()), free(rays.size());
   std::vector<std::uint8_t> blocked(rays.size());
   SurfaceQuery query = disc_query_;
   query.discs->lone_factor = 0.0;
@@ -248,8 +246,8 @@ TEST_F(SurfaceCloudOfStreet, filters_and_sheets_know_the_number_of_the_ray) {
   // Every third begins on the sheet that it would meet first.
   std::vector<SheetOrigin> begins(rays.size());
   for (std::size_t i = 0; i < rays.size(); i += 3) {
-    if (!all[i] || !discs_.surface(all[i]->point_id).exists) continue;
-    begins[i] = {discs_.surface(all[i]->point_id).normal, 1e6f, 1e6f};
+    if (!all[i] || !discs_.surface_at(all[i]->index).exists) continue;
+    begins[i] = {discs_.surface_at(all[i]->index).normal, 1e6f, 1e6f};
   }
   query.discs->begins = begins;
   closest(discs_, rays, query, free);
@@ -282,7 +280,7 @@ TEST_F(SurfaceCloudOfStreet, answers_the_same_with_every_instruction_set_and_fro
     EXPECT_EQ(clouds.back().octree().instruction_set(), set);
   }
   for (const SurfaceQuery& query : {spheres_query_, disc_query_}) {
-    std::vector<std::optional<Hit>> expected(rays.size()), hits(rays.size());
+    std::vector<std::optional<SurfaceHit>> expected(rays.size()), hits(rays.size());
     closest(discs_, rays, query, expected);
     for (const SurfaceCloud& cloud : clouds) {
       closest(cloud, rays, query, hits);
@@ -310,7 +308,7 @@ TEST_F(SurfaceCloudOfStreet, filters_of_positions_are_called_for_a_few_of_many_e
         return point.position.x > 1.5;
       };
       if (has_ids) query.filter.of_point = [](const Candidate& point) { return point.point_id >= k_equal; };
-      std::vector<std::optional<Hit>> hits(rays.size());
+      std::vector<std::optional<SurfaceHit>> hits(rays.size());
       std::vector<std::uint8_t> blocked(rays.size());
       closest(discs, rays, query, hits);
       occluded(discs, rays, query, blocked);
@@ -335,11 +333,11 @@ TEST(SurfaceCloud, of_no_points_answers_nothing) {
          {SurfaceQuery{.radius = 1.0}, SurfaceQuery{.radius = 1.0, .discs = DiscQuery{}}}) {
       EXPECT_FALSE(closest(cloud, ray, query));
       EXPECT_FALSE(occluded(cloud, ray, query));
-      std::vector<std::optional<Hit>> hits(2, Hit{});
+      std::vector<std::optional<SurfaceHit>> hits(2, SurfaceHit{});
       std::vector<std::uint8_t> blocked(2, 1);
       closest(cloud, rays, query, hits);
       occluded(cloud, rays, query, blocked);
-      EXPECT_EQ(hits, std::vector<std::optional<Hit>>(2));
+      EXPECT_EQ(hits, std::vector<std::optional<SurfaceHit>>(2));
       EXPECT_EQ(blocked, std::vector<std::uint8_t>(2, 0));
       std::vector<PointSphere> held;
       find_enclosing(cloud, {0, 0, 0}, query, held);

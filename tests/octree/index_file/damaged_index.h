@@ -94,8 +94,9 @@ inline void use(const IndexFile& index) {
   closest(octree, rays, {.radius = 1.0}, hits);
   for (const std::optional<Hit>& hit : hits) look_up(hit);
   if (has_spacings) {
-    closest(spheres, rays, {.radius = 1.0, .spacing_factor = 1.0}, hits);
-    for (const std::optional<Hit>& hit : hits) look_up(hit);
+    std::vector<std::optional<SurfaceHit>> met(rays.size());
+    closest(spheres, rays, {.radius = 1.0, .spacing_factor = 1.0}, met);
+    for (const std::optional<SurfaceHit>& hit : met) look_up(hit);
   }
   if (layers.surfaces != nullptr) {
     for (std::uint64_t id = 0; id < octree.size(); ++id) {
