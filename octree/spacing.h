@@ -71,8 +71,8 @@ inline double spacing_at(const PointLayers& layers, std::uint32_t index) {
 /// The spacings by point id, metres, in Octree::scratch(). Requires spacings. Cost: linear.
 HugeVector<float> spacings_in_order(const Octree& octree);
 
-/// The greatest spacings below the slots of a node, as PointLayers::slot_spacings has them; 0 for empty slots.
-/// Of the layers, slot spacings of the nodes behind this one are read, among which its children are.
+/// The greatest spacings below the slots of a node, as PointLayers::slot_spacings has them; 0 for empty
+/// slots. Of the layers, slot spacings of the nodes behind this one are read, among which its children are.
 inline std::array<std::uint16_t, k_node_width> greatest_spacings(const TreeView& tree,
                                                                  const PointLayers& layers,
                                                                  std::uint32_t node_index) {

@@ -83,8 +83,9 @@ void check_shape(const CloudSettings& settings);
 
 /// Chooses the radii of a cloud's points by its settings: fills radius, spacing_factor, lone_radius and
 /// surfaces, and measures the spacings if radii adapt to the density and the octree has none for so many
-/// neighbours; surfaces of discs are fitted where rays meet them. `progress` is in points measured. Errors: as
-/// check_shape(); a radius, factor or number of neighbours out of range; adapted radii of only some levels.
+/// neighbours; surfaces of discs are fitted where rays meet them. `progress` is in points measured. Errors:
+/// as check_shape(); a radius, factor or number of neighbours out of range; adapted radii of only some
+/// levels.
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress = {});
 
 /// A point in whose sphere a position lies.

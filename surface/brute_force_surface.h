@@ -12,9 +12,9 @@
 
 namespace alidade::brute_force {
 
-/// All points that answer a ray, in their order. spacings: by point id. layers: of an octree, with the surfaces
-/// that discs require. Errors: those of queries; not as many spacings as points; discs without surfaces. Cost:
-/// linear.
+/// All points that answer a ray, in their order. spacings: by point id. layers: of an octree, with the
+/// surfaces that discs require. Errors: those of queries; not as many spacings as points; discs without
+/// surfaces. Cost: linear.
 std::vector<Hit> find(const PointCloud& cloud, const Ray& ray, const SurfaceQuery& query,
                       std::span<const double> spacings, const PointLayers& layers = {});
 /// The first of them.

@@ -25,8 +25,9 @@ inline double disc_reach_factor(const SurfaceQuery& query) {
   return std::max({1.0, query.spacing_factor / k_disc_spacings, query.discs->lone_factor / k_reach_of_lone});
 }
 
-/// The reaches of SurfaceView::slot_reaches. Where surfaces are not fitted yet, those of spheres. Requires
-/// stored surfaces or a fitter. Cost: some 20 nanoseconds of one thread per point, in parallel; 96 B per node.
-HugeArray<std::uint16_t> slot_reaches(const SurfaceView& view, const ScratchFolder& scratch);
+/// SurfaceView::slot_reaches; where surfaces are not fitted yet, those of spheres. octree: what the view has
+/// its tree from. Requires stored surfaces or a fitter. Cost: some nanoseconds of one thread per point, in
+/// parallel; 96 B per node.
+HugeArray<std::uint16_t> slot_reaches(const Octree& octree, const SurfaceView& view);
 
 }  // namespace alidade

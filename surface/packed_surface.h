@@ -55,7 +55,7 @@ constexpr std::array<double, 32> k_lengths = [] {
   return lengths;
 }();
 
-// The edge beside a point in 8 bits: 3 for the distance in steps, where 0 means none, and 5 for the direction.
+// The edge beside a point in 8 bits: 3 for the distance in steps, where 0 means none, 5 for the direction.
 
 constexpr int k_edge_directions = 32, k_edge_levels = 7;
 constexpr double k_edge_step = 0.1, k_edge_gap = 0.2;  ///< spacings

@@ -273,7 +273,7 @@ SurfaceCloud SurfaceCloud::of_discs(const Octree& octree) {
     view.stored_surfaces = stored.surfaces.data();
     view.stored_edges = stored.edges.data();
   }
-  made->reaches = slot_reaches(view, octree.scratch());
+  made->reaches = slot_reaches(octree, view);
   view.slot_reaches = made->reaches.data();
   PointLayers layers = octree.layers();
   layers.spacings = view.layers.spacings;

@@ -49,12 +49,11 @@ class SurfaceCloud {
   /// Points as spheres. Errors: an octree without spacings that has points; so below.
   static SurfaceCloud of_spheres(const Octree& octree);
 
-  /// Points as discs. Surfaces that the octree lacks are fitted by the queries, those of
-  /// each leaf once, when they examine its points; answers are the same, and so are the surfaces of points
-  /// that were an answer. Cost: some 20 nanoseconds of one thread per point, in parallel, and 5 B per point,
-  /// of a mapped file 13 B: coordinates and spacings go to huge pages if there is room. Without surfaces 5 B per
-  /// point, and the time of with_surfaces() per point of the leaves that queries examine. Beside these 96 B
-  /// per node.
+  /// Points as discs. Surfaces that the octree lacks are fitted by the queries, those of each leaf once, when
+  /// they examine its points; answers are the same, and so are the surfaces of points that were an answer.
+  /// Cost: as fast as memory, or the disk of a mapped file, delivers; 5 B per point, of a mapped file 13 B:
+  /// coordinates and spacings go to huge pages if there is room; 96 B per node. Without surfaces also the time
+  /// of with_surfaces() per point of the leaves that queries examine.
   static SurfaceCloud of_discs(const Octree& octree);
 
   std::size_t size() const { return octree_.size(); }
@@ -62,8 +61,8 @@ class SurfaceCloud {
   const Octree& octree() const { return octree_; }
   const SurfaceView& view() const { return view_; }
   bool has_discs() const { return view_.stored_surfaces != nullptr; }
-  /// The surface of the point at a storage index. Requires discs, and that a query has answered with the point
-  /// or examined its leaf, or fit_all().
+  /// The surface of the point at a storage index. Requires discs, and that a query has answered with the
+  /// point or examined its leaf, or fit_all().
   PointSurface surface_at(std::uint32_t index) const {
     return unpack_surface(view_.stored_surfaces[index], view_.layers.surface_unit);
   }
@@ -89,10 +88,10 @@ struct SheetOrigin {
 /// exp(-8 * 0.92^2), and reaches little beyond its edges.
 constexpr double k_disc_spacings = 0.92;
 
-/// How points are discs: a point of a sheet is where the ray crosses the disc around it (surface/point_disc.h),
-/// a point without one where the ray enters a small sphere, whose radius is lone_factor times the spacing, at
-/// most lone_radius and that of a disc. Hit::t is that of the crossing; the ray's interval applies to it, and
-/// it orders the points, whatever the measure.
+/// How points are discs: a point of a sheet is where the ray crosses the disc around it
+/// (surface/point_disc.h), a point without one where the ray enters a small sphere, whose radius is
+/// lone_factor times the spacing, at most lone_radius and that of a disc. Hit::t is that of the crossing; the
+/// ray's interval applies to it, and it orders the points, whatever the measure.
 struct DiscQuery {
   double lone_factor = 0.25;
   double lone_radius = std::numeric_limits<double>::infinity();  ///< metres

@@ -79,8 +79,8 @@ class Occluders {
  public:
   /// Measures spacings (of 8 neighbours) and fits surfaces if they are needed and the octree lacks them.
   /// `progress` is in points, the spacings' first, then the surfaces'. Errors: radius, radius_max or
-  /// transparency out of range, or both radii. Memory: 12 B per point. Cost: 1 to 2 microseconds of one thread
-  /// per point, in parallel; nothing for an octree that has them.
+  /// transparency out of range, or both radii. Memory: 12 B per point. Cost: 1 to 2 microseconds of one
+  /// thread per point, in parallel; nothing for an octree that has them.
   Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress = {});
 
   /// These with another transparency. They share all that was measured and made.

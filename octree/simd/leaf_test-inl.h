@@ -39,7 +39,8 @@ HWY_INLINE void relative_to(const ActiveRay& ray, double start, const double* co
 /// Lanes compute t and distance of every point within `error` of the truth. That decides for nearly all
 /// points whether they can count (most cannot) or certainly do, and bounds of their measure. Only where
 /// bounds overlap, or the edge of a condition is nearer than `error`, is a point decided in double
-/// (octree/candidate.h, surface/decide_point.h). So the answer is the same bits on every machine, at the price of floats.
+/// (octree/candidate.h, surface/decide_point.h). So the answer is the same bits on every machine, at the price
+/// of floats.
 template <class Points, bool any>
 class LeafTest {
  public:
