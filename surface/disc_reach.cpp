@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/parallel.h"
-#include "octree/spacing.h"
 #include "surface/simd/leaf_reaches.h"
 
 namespace alidade {
@@ -13,13 +12,6 @@ HugeArray<std::uint16_t> slot_reaches(const Octree& octree, const SurfaceView& v
   const TreeView& tree = view.tree;
   constexpr std::size_t k_in_node = 3 * k_node_width;
   HugeArray<std::uint16_t> made(k_in_node * tree.node_count, octree.scratch());
-  if (view.fitter != nullptr) {
-    for (std::size_t i = 0; i < made.size(); ++i) {
-      const std::size_t slot = i / k_in_node * k_node_width + i % k_node_width;
-      made[i] = spacing_bits(k_disc_spacings * spacing_of(view.layers.slot_spacings[slot]));
-    }
-    return made;
-  }
   const auto leaf_reaches = simd::leaf_reaches(octree.instruction_set());
   constexpr std::size_t k_grain = 256;
   in_blocks(tree.node_count, k_grain, [&](std::size_t first, std::size_t end) {

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "base/huge_memory.h"
-#include "surface/point_disc.h"
 #include "surface/surface_cloud.h"
 
 // How far what a ray meets of a point lies from it along an axis. Most sheets are much flatter than spheres
@@ -18,16 +17,16 @@
 
 namespace alidade {
 
-constexpr double k_reach_of_lone = 0.28;  ///< spacings
+constexpr double k_reach_of_lone = 0.28;  ///< spacings; lone spheres of visibility and of pictures reach less
 
 /// No reach of a query is greater than this times the stored one.
 inline double disc_reach_factor(const SurfaceQuery& query) {
-  return std::max({1.0, query.spacing_factor / k_disc_spacings, query.discs->lone_factor / k_reach_of_lone});
+  const double lone_factor = std::min(query.discs->lone_factor, query.spacing_factor);
+  return std::max({1.0, query.spacing_factor / k_disc_spacings, lone_factor / k_reach_of_lone});
 }
 
-/// SurfaceView::slot_reaches; where surfaces are not fitted yet, those of spheres. octree: what the view has
-/// its tree from. Requires stored surfaces or a fitter. Cost: some nanoseconds of one thread per point, in
-/// parallel; 96 B per node.
+/// SurfaceView::slot_reaches. octree: what the view has its tree from. Requires stored surfaces. Cost: some
+/// nanoseconds of one thread per point, in parallel; 96 B per node.
 HugeArray<std::uint16_t> slot_reaches(const Octree& octree, const SurfaceView& view);
 
 }  // namespace alidade

@@ -109,8 +109,9 @@ void take_out_of_map(SurfaceView& view, DiscArrays& made) {
   constexpr std::uint64_t k_room = 6;  // for the file, surfaces and colours as well
   if (!octree.is_mapped() || octree.scratch() || k_room * bytes > available_memory().value_or(0)) return;
   try {
-    made.coordinates = HugeArray<std::uint16_t>(coordinates);
+    HugeArray<std::uint16_t> room(coordinates);
     made.spacings = HugeArray<std::uint16_t>(spacings);
+    made.coordinates = std::move(room);
   } catch (const std::bad_alloc&) {
     return;
   }
@@ -272,12 +273,12 @@ SurfaceCloud SurfaceCloud::of_discs(const Octree& octree) {
     });
     view.stored_surfaces = stored.surfaces.data();
     view.stored_edges = stored.edges.data();
+    made->reaches = slot_reaches(octree, view);
+    view.slot_reaches = made->reaches.data();
   }
-  made->reaches = slot_reaches(octree, view);
-  view.slot_reaches = made->reaches.data();
   PointLayers layers = octree.layers();
   layers.spacings = view.layers.spacings;
-  const bool is_mapped = octree.is_mapped() && view.tree.coordinates == octree.view().coordinates;
+  const bool is_mapped = octree.is_mapped() && made->coordinates.size() == 0;
   return {Octree(view.tree, made, octree.instruction_set())
               .with_layers(layers)
               .with_mapped(is_mapped)

@@ -35,7 +35,8 @@ struct SurfaceView {
   const std::uint32_t* stored_surfaces = nullptr;
   const std::uint8_t* stored_edges = nullptr;
   /// How far discs and lone spheres reach from their points along each axis, at most below each slot of each
-  /// node (surface/disc_reach.h): slot s of node n at 16 (3 n + axis) + s. The upper halves of floats.
+  /// node (surface/disc_reach.h): slot s of node n at 16 (3 n + axis) + s. The upper halves of floats. Null
+  /// where surfaces are fitted by queries: up to the points' radii.
   const std::uint16_t* slot_reaches = nullptr;
   const LeafFitter* fitter = nullptr;  ///< fits surfaces and edges leaf by leaf; null: all are there
 };
@@ -52,12 +53,12 @@ class SurfaceCloud {
   /// Points as discs. Surfaces that the octree lacks are fitted by the queries, those of each leaf once, when
   /// they examine its points; answers are the same, and so are the surfaces of points that were an answer.
   /// Cost: as fast as memory, or the disk of a mapped file, delivers; 5 B per point, of a mapped file 13 B:
-  /// coordinates and spacings go to huge pages if there is room; 96 B per node. Without surfaces also the time
-  /// of with_surfaces() per point of the leaves that queries examine.
+  /// coordinates and spacings go to huge pages if there is room; 96 B per node. Without surfaces 5 B per point,
+  /// and the time of with_surfaces() per point of the leaves that queries examine.
   static SurfaceCloud of_discs(const Octree& octree);
 
   std::size_t size() const { return octree_.size(); }
-  /// The octree that was given, with the coordinates that were copied from its map.
+  /// The octree that was given, with the coordinates and spacings that were copied from its map.
   const Octree& octree() const { return octree_; }
   const SurfaceView& view() const { return view_; }
   bool has_discs() const { return view_.stored_surfaces != nullptr; }

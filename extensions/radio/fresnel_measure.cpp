@@ -46,7 +46,7 @@ LineMeasure::Measure FresnelMeasure::begin(const Occluders& occluders, const Lin
                                            std::size_t lines) {
   point_count_ = occluders.octree().size();
   zones_.resize(lines);
-  const auto opaque = std::make_shared<Occluders>(occluders.with_transparency(1));
+  const auto opaque = std::make_shared<Occluders>(occluders.solid());
   return [opaque, options, wavelength = wavelength_](const SightEnd& from, const SightEnd& to,
                                                      PartWriter& writer) {
     put_zone(fresnel_clearance(*opaque, from, to, options, wavelength), writer);

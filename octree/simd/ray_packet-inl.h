@@ -391,7 +391,7 @@ class PacketHits {
 
   /// Whether the point meets the conditions of the query.
   template <class Points>
-  HWY_INLINE bool write(const Points&, const QuerySetup& setup, const Ray& ray, std::size_t lane,
+  HWY_INLINE bool write(const QuerySetup& setup, const Ray& ray, std::size_t lane,
                         std::optional<typename Points::Answer>& hit) const {
     if (!(distance_[lane] <= radius_[lane] && t_[lane] >= ray.t_min && t_[lane] <= ray.t_max &&
           entry_[lane] >= setup.query.entry_min))

@@ -151,7 +151,7 @@ struct QuerySetup {
     return static_cast<float>(part(frame_corner) - part(reference[axis])) * 256.0f;
   }
 
-  /// By how much boxes below a frame are widened beside radii of the points' own.
+  /// By how much boxes below a frame are widened beside what points with radii of their own reach.
   double widening(const std::array<std::uint32_t, 3>& frame_corner, int level) const {
     const bool within = in_site(frame_corner, level);
     if (query.own_radii) return within ? site_margin : box_margin;

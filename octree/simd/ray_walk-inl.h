@@ -51,7 +51,7 @@ struct Traversed {
 
 /// A single ray as it meets boxes. t of the face at grid step q of a frame is q * step * 2^(level - 8) +
 /// corner * step - origin_t, with the frame's corner in lattice steps from the setup's, and `reach` before
-/// that for near faces, behind it for far ones. Radii of the points' own are taken off later.
+/// that for near faces, behind it for far ones. Points::slot_reach() is taken off later.
 template <class Points>
 struct RayOnGrid {
   float step[3], origin_t[3];

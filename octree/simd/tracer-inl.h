@@ -307,7 +307,7 @@ class Tracer {
         answers[number] = 1;
       } else {
         // Coordinates of a damaged index file can lie where floats are sure of them and doubles are not.
-        if (!hits.write(points_, setup_, rays_[number], lane, answers[number]))
+        if (!hits.template write<Points>(setup_, rays_[number], lane, answers[number]))
           answers[number] = answer(std::size_t{number});
       }
     }

@@ -122,13 +122,20 @@ class Discs : public OwnPoints<Measure::t> {
   Discs(const SurfaceView& view, const SurfaceQuery& query)
       : OwnPoints(view, query),
         test_(view, query),
+        reaches_(view.slot_reaches),
         reach_factor_(float_above(std::min(disc_reach_factor(query), k_far))),
-        greatest_reach_(float_above(query.radius)) {}
+        greatest_reach_(float_above(query.radius)) {
+    if (reaches_ != nullptr) return;
+    reaches_ = view.layers.slot_spacings;
+    in_node_ = k_node_width;
+    in_axis_ = 0;
+    reach_factor_ = float_above(query.spacing_factor);
+  }
 
   template <class D>
   HWY_INLINE hn::Vec<D> slot_reach(D d, std::uint32_t node, int axis, std::size_t slot) const {
-    const std::size_t row = std::size_t{3} * node + static_cast<std::size_t>(axis);
-    return scaled(d, view_.slot_reaches + k_node_width * row + slot, reach_factor_, greatest_reach_);
+    const std::uint16_t* const row = reaches_ + in_node_ * node + in_axis_ * static_cast<std::size_t>(axis);
+    return scaled(d, row + slot, reach_factor_, greatest_reach_);
   }
 
   void touch(const Leaf& leaf) const { alidade::touch(view_, leaf); }
@@ -151,7 +158,10 @@ class Discs : public OwnPoints<Measure::t> {
 
  private:
   const DiscTest test_;
-  const float reach_factor_, greatest_reach_;
+  const std::uint16_t* reaches_;
+  std::size_t in_node_ = 3 * k_node_width, in_axis_ = k_node_width;  ///< from a node or axis to the next
+  float reach_factor_;
+  const float greatest_reach_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -103,6 +103,7 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
         SCOPED_TRACE(disc_case.name + " turn " + std::to_string(turn) + " ray " + std::to_string(i));
         const std::optional<Hit> expected = by_brute_force(disc_case, discs, rays[i], query);
         ASSERT_TRUE(same_hits(hits[i], expected));
+        ASSERT_TRUE(test::has_right_index(discs, hits[i]));
         ASSERT_EQ(blocked[i] != 0, expected.has_value());
         hit_count += expected.has_value();
       }
@@ -307,6 +308,25 @@ TEST(Crossing, a_ray_at_the_edge_of_a_disc_meets_it_and_one_beside_does_not) {
       find_enclosing(discs, {std::nextafter(1.0 + radius, 2.0), 0.5, 0.0}, query, held);
       EXPECT_EQ(held.size(), 1u);
     }
+  }
+}
+
+/// The box of a flat floor is entered far behind the points whose discs the ray crosses.
+TEST(Crossing, a_sheet_that_is_left_is_not_met_far_from_where_its_points_are) {
+  std::vector<glm::dvec3> points;
+  for (int x = -5; x <= 3; ++x)
+    for (int y = -8; y <= 8; ++y) points.emplace_back(x, y, 0.0);
+  const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-3), glm::dvec3(0)});
+  const glm::dvec3 start(0.1, 0.0, 0.01);
+  const Ray ray = make_ray(start, glm::dvec3(3.7, 0.0, 0.0) - start);
+  const SheetOrigin begin{{0.0, 0.0, 1.0}, 0.1f, 0.02f};
+  for (const InstructionSet set : available_instruction_sets()) {
+    const SurfaceCloud discs = discs_of(cloud, set);
+    SurfaceQuery query{.radius = 1.0, .spacing_factor = 0.92, .discs = DiscQuery{}};
+    EXPECT_TRUE(closest(discs, ray, query)) << name(set);
+    query.discs->begins = {&begin, 1};
+    EXPECT_FALSE(closest(discs, ray, query)) << name(set);
+    EXPECT_FALSE(occluded(discs, ray, query)) << name(set);
   }
 }
 

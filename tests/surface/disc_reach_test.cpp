@@ -11,6 +11,7 @@
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
 #include "surface/decide_point.h"
+#include "tests/support/octrees.h"
 #include "tests/support/random.h"
 #include "tests/surface/surface_cases.h"
 
@@ -59,13 +60,15 @@ glm::dvec3 expect_reaches(const SurfaceView& view, const SurfaceQuery& query, co
   return greatest;
 }
 
-TEST(DiscReach, holds_what_rays_meet_of_all_points_below_a_slot) {
+class DiscReach : public ::testing::TestWithParam<InstructionSet> {};
+
+TEST_P(DiscReach, holds_what_rays_meet_of_all_points_below_a_slot) {
   for (const test::DiscCase& disc_case : test::disc_cases()) {
     if (disc_case.cloud.size() == 0) continue;
-    SCOPED_TRACE(disc_case.name);
     Random random(disc_case.name + "_reaches");
-    const SurfaceCloud cloud = SurfaceCloud::of_discs(disc_case.with_all(build(disc_case.cloud)));
-    for (int turn = 0; turn < 4; ++turn) {
+    for (const test::NamedOctree& named : test::octrees_of(disc_case.cloud, GetParam())) {
+      SCOPED_TRACE(disc_case.name + " " + named.name);
+      const SurfaceCloud cloud = SurfaceCloud::of_discs(disc_case.with_all(named.octree));
       const double radius = automatic_radius(cloud.octree()) * std::pow(10.0, random.between(-1.0, 3.0));
       const SurfaceQuery query = test::disc_query({.radius = radius}, random);
       expect_reaches(cloud.view(), query, root_frame(cloud.view().tree));
@@ -73,22 +76,44 @@ TEST(DiscReach, holds_what_rays_meet_of_all_points_below_a_slot) {
   }
 }
 
-TEST(DiscReach, of_a_level_floor_is_flat_and_that_of_lone_points_small) {
+INSTANTIATE_TEST_SUITE_P(, DiscReach, ::testing::ValuesIn(available_instruction_sets()),
+                         [](const auto& set) { return std::string(name(set.param)); });
+
+/// The greatest stored one of a cloud along an axis.
+float greatest_reach(const SurfaceCloud& cloud, int axis) {
+  const std::uint16_t* const row = cloud.view().slot_reaches + k_node_width * axis;
+  return spacing_of(*std::max_element(row, row + k_node_width));
+}
+
+SurfaceCloud discs_of(const std::vector<glm::dvec3>& points) {
+  const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-4), glm::dvec3(0)});
+  return SurfaceCloud::of_discs(with_surfaces(with_spacings(build(cloud), k_surface_neighbours)));
+}
+
+TEST(DiscReaches, of_a_level_floor_are_flat) {
   Random random("flat_floor");
   std::vector<glm::dvec3> points;
   for (int i = 0; i < 4000; ++i) points.emplace_back(random.between(0, 10), random.between(0, 10), 0.0);
-  const Octree octree =
-      with_spacings(build(test::make_cloud(points, {glm::dvec3(1e-4), glm::dvec3(0)})), k_surface_neighbours);
-  const SurfaceCloud fitted = SurfaceCloud::of_discs(with_surfaces(octree)),
-                     on_demand = SurfaceCloud::of_discs(octree);
-  const auto root_reach = [](const SurfaceCloud& cloud, int axis) {
-    const std::uint16_t* const row = cloud.view().slot_reaches + k_node_width * axis;
-    return spacing_of(*std::max_element(row, row + k_node_width));
-  };
-  EXPECT_GT(root_reach(fitted, 0), 0.1f);
-  EXPECT_LT(root_reach(fitted, 2), 0.01f * root_reach(fitted, 0));
-  for (int axis = 0; axis < 3; ++axis)
-    EXPECT_GE(root_reach(on_demand, axis), root_reach(fitted, axis)) << "surfaces are not known yet";
+  const SurfaceCloud floor = discs_of(points);
+  EXPECT_GT(greatest_reach(floor, 0), 0.1f);
+  EXPECT_LT(greatest_reach(floor, 2), 0.01f * greatest_reach(floor, 0));
+}
+
+TEST(DiscReaches, of_a_point_without_a_sheet_are_that_of_its_small_sphere) {
+  // A bird above a field, in a leaf of its own.
+  std::vector<glm::dvec3> points;
+  for (int x = 0; x < 40; ++x)
+    for (int y = 0; y < 40; ++y) points.emplace_back(0.1 * x, 0.1 * y, 0.0);
+  points.emplace_back(2.0, 2.0, 40.0);
+  const SurfaceCloud field = discs_of(points);
+  for (std::uint32_t index = 0; index < field.size(); ++index)
+    EXPECT_EQ(field.surface_at(index).exists, spacing_at(field.view().layers, index) < 30.0);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(greatest_reach(field, axis), 0.28 * 40.0, 0.2) << axis;
+}
+
+TEST(DiscReaches, are_not_known_where_surfaces_are_fitted_on_demand) {
+  const PointCloud cloud = test::make_cloud({{0, 0, 0}, {1, 0, 0}}, {glm::dvec3(0.5), glm::dvec3(0)});
+  EXPECT_EQ(SurfaceCloud::of_discs(with_spacings(build(cloud), 1)).view().slot_reaches, nullptr);
 }
 
 }  // namespace

@@ -96,6 +96,7 @@ std::size_t expect_as_brute_force(const SpacedFamily& family, const SurfaceCloud
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const std::optional<Hit> expected = family.closest(rays[i], query);
     EXPECT_TRUE(same_hits(hits[i], expected)) << "ray " << i;
+    EXPECT_TRUE(test::has_right_index(spheres, hits[i])) << "ray " << i;
     EXPECT_EQ(blocked[i] != 0, expected.has_value()) << "ray " << i;
     if (::testing::Test::HasFailure()) break;
     hit_count += expected.has_value();

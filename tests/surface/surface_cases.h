@@ -20,10 +20,21 @@
 
 namespace alidade::test {
 
-/// An answer beside one by brute force, which is without a storage index.
+/// Beside an answer by brute force, which is without a storage index.
 inline ::testing::AssertionResult same_hits(const std::optional<SurfaceHit>& found,
                                             const std::optional<Hit>& expected) {
   return same_hits(std::optional<Hit>(found), expected);
+}
+inline ::testing::AssertionResult same_hits(const std::optional<SurfaceHit>& found,
+                                            const std::optional<SurfaceHit>& expected) {
+  if (found == expected) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "another point, or another storage index: "
+                                       << same_hits(found, std::optional<Hit>(expected)).message();
+}
+
+/// Whether the storage index of a hit is that of its point.
+inline bool has_right_index(const SurfaceCloud& cloud, const std::optional<SurfaceHit>& hit) {
+  return !hit || point_id(cloud.view().tree, hit->index) == hit->point_id;
 }
 
 /// The same conditions of points with radii of their own.
