@@ -314,12 +314,13 @@ TEST(Crossing, a_ray_at_the_edge_of_a_disc_meets_it_and_one_beside_does_not) {
 /// The box of a flat floor is entered far behind the points whose discs the ray crosses.
 TEST(Crossing, a_sheet_that_is_left_is_not_met_far_from_where_its_points_are) {
   std::vector<glm::dvec3> points;
-  for (int x = -5; x <= 3; ++x)
+  // Where the floor is sparse, the disc of one point alone holds the crossing.
+  for (const double x : {-5.0, -4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.8, 5.8, 6.8})
     for (int y = -8; y <= 8; ++y) points.emplace_back(x, y, 0.0);
   const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-3), glm::dvec3(0)});
-  const glm::dvec3 start(0.1, 0.0, 0.01);
+  const glm::dvec3 start(1.0, 0.0, 2.0);
   const Ray ray = make_ray(start, glm::dvec3(3.7, 0.0, 0.0) - start);
-  const SheetOrigin begin{{0.0, 0.0, 1.0}, 0.1f, 0.02f};
+  const SheetOrigin begin{{0.0, 0.0, 1.0}, 0.1f, 2.1f};
   for (const InstructionSet set : available_instruction_sets()) {
     const SurfaceCloud discs = discs_of(cloud, set);
     SurfaceQuery query{.radius = 1.0, .spacing_factor = 0.92, .discs = DiscQuery{}};
