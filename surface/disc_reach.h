@@ -17,7 +17,7 @@
 
 namespace alidade {
 
-constexpr double k_reach_of_lone = 0.28;  ///< spacings; lone spheres of visibility and of pictures reach less
+constexpr double k_reach_of_lone = 0.28;  ///< spacings; no lone sphere of visibility or of pictures is wider
 
 /// No reach of a query is greater than this times the stored one.
 inline double disc_reach_factor(const SurfaceQuery& query) {

@@ -70,26 +70,26 @@ void check_record_bytes(const IndexSections& sections, const IndexMetadata& meta
                      fmt::format("{} bytes more", left));
 }
 
+/// Points to the values of a section if the file has it.
+template <class T>
+void point_to(const IndexSections& sections, IndexSection kind, const T*& values) {
+  if (sections.header().find(kind)) values = sections.values<T>(kind).data();
+}
+
 TreeView tree_in(const IndexSections& sections) {
   TreeView tree = sections.header().tree;
-  const auto point_to = [&]<class T>(const T*& values, IndexSection kind) {
-    if (sections.header().find(kind)) values = sections.values<T>(kind).data();
-  };
-  point_to(tree.coordinates, IndexSection::coordinates);
-  point_to(tree.ids, IndexSection::ids);
-  point_to(tree.positions, IndexSection::positions);
+  point_to(sections, IndexSection::coordinates, tree.coordinates);
+  point_to(sections, IndexSection::ids, tree.ids);
+  point_to(sections, IndexSection::positions, tree.positions);
   return tree;
 }
 
 PointLayers layers_in(const IndexSections& sections) {
   PointLayers layers = sections.header().layers;
-  const auto point_to = [&]<class T>(const T*& values, IndexSection kind) {
-    if (sections.header().find(kind)) values = sections.values<T>(kind).data();
-  };
-  point_to(layers.spacings, IndexSection::spacings);
-  point_to(layers.slot_spacings, IndexSection::slot_spacings);
-  point_to(layers.surfaces, IndexSection::surfaces);
-  point_to(layers.sheet_edges, IndexSection::sheet_edges);
+  point_to(sections, IndexSection::spacings, layers.spacings);
+  point_to(sections, IndexSection::slot_spacings, layers.slot_spacings);
+  point_to(sections, IndexSection::surfaces, layers.surfaces);
+  point_to(sections, IndexSection::sheet_edges, layers.sheet_edges);
   return layers;
 }
 
