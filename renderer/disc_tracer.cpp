@@ -60,6 +60,26 @@ bool is_of_sheet(const PointDisc& disc, const glm::dvec3& met, const glm::dvec3&
 
 }  // namespace
 
+/// A disc that may share in a blended surface.
+struct DiscCloud::Neighbour {
+  PointDisc disc;
+  glm::dvec3 color{0.0};  ///< display value
+};
+
+/// Those around a position; kept as room for the next ones.
+struct DiscCloud::Neighbours {
+  std::vector<PointSphere> spheres;
+  std::vector<Neighbour> discs;
+};
+
+/// A hit that is to be blended.
+struct DiscCloud::Blended {
+  std::uint32_t index;   ///< storage index of the point
+  std::uint32_t number;  ///< of the ray
+
+  auto operator<=>(const Blended&) const = default;
+};
+
 /// Weighted sums over the discs of a sheet.
 struct DiscCloud::SheetSums {
   std::uint32_t count = 0;
@@ -91,17 +111,24 @@ SurfaceQuery DiscCloud::query_of(std::span<const SheetOrigin> origins) const {
   return query;
 }
 
-DiscCloud::SheetSums DiscCloud::blend(const Ray& ray, const DiscHit& hit,
-                                      std::vector<PointSphere>& around) const {
-  const glm::dvec3 met = ray.origin + hit.t * ray.direction, first_normal = hit.sheet.normal;
-  around.clear();
-  find_enclosing(surfaces_, met, query_, around);
-  SheetSums sums;
-  for (const PointSphere& sphere : around) {
+void DiscCloud::find_neighbours(const glm::dvec3& position, double reach, Neighbours& around) const {
+  around.spheres.clear();
+  around.discs.clear();
+  find_spheres(surfaces_, position, reach, query_, around.spheres);
+  for (const PointSphere& sphere : around.spheres) {
     const PointSurface surface = surfaces_.surface_at(sphere.index);
     if (!surface.exists) continue;
-    const PointDisc disc = point_disc(sphere.center, surface, sphere.radius);
-    if (!is_of_sheet(disc, met, first_normal)) continue;
+    around.discs.push_back({point_disc(sphere.center, surface, sphere.radius),
+                            glm::dvec3(color_of(point_id(surfaces_.view().tree, sphere.index)))});
+  }
+}
+
+DiscCloud::SheetSums DiscCloud::sums(const Ray& ray, const DiscHit& hit,
+                                     std::span<const Neighbour> around) const {
+  const glm::dvec3 met = ray.position(hit.t), first_normal = hit.sheet.normal;
+  SheetSums sums;
+  for (const auto& [disc, color] : around) {
+    if (!(distance(met, disc.point) <= disc.radius) || !is_of_sheet(disc, met, first_normal)) continue;
     const std::optional<double> t = plane_crossing(disc, ray.origin, ray.direction);
     // A ray along the sheet meets the planes anywhere.
     if (!t || std::fabs(*t - hit.t) > disc.radius) continue;
@@ -113,14 +140,13 @@ DiscCloud::SheetSums DiscCloud::blend(const Ray& ray, const DiscHit& hit,
     sums.t += weight * later;
     sums.t_squared += weight * later * later;
     sums.normal += weight * (glm::dot(disc.normal, first_normal) < 0.0 ? -disc.normal : disc.normal);
-    sums.color += weight * glm::dvec3(color_of(point_id(surfaces_.view().tree, sphere.index)));
+    sums.color += weight * color;
     sums.farthest = std::max(sums.farthest, height_above_sheet(disc, met));
   }
   return sums;
 }
 
-DiscHit DiscCloud::disc_hit(const Ray& ray, const SurfaceHit& first, bool blends,
-                            std::vector<PointSphere>& around) const {
+DiscHit DiscCloud::disc_hit(const Ray& ray, const SurfaceHit& first) const {
   DiscHit hit{.t = first.t, .point_id = first.point_id, .color = color_of(first.point_id)};
   const PointSurface surface = surfaces_.surface_at(first.index);
   const glm::dvec3 met = ray.origin + first.t * ray.direction;
@@ -133,16 +159,32 @@ DiscHit DiscCloud::disc_hit(const Ray& ray, const SurfaceHit& first, bool blends
   hit.sheet = {.normal = glm::dot(disc.normal, ray.direction) > 0.0 ? -disc.normal : disc.normal,
                .reach = static_cast<float>(k_sheet_radii * radius),
                .thickness = static_cast<float>(k_own_thicknesses * surface.thickness + k_own_rise * radius)};
-  if (!blends) return hit;
-  const SheetSums sums = blend(ray, hit, around);
-  if (!(sums.weight > 0.0)) return hit;
-  const double t = hit.t + sums.t / sums.weight;
-  if (t >= ray.t_min && t <= ray.t_max) hit.t = t;
-  // A sheet that curves out of sight keeps the side that the ray came from.
-  if (glm::dot(sums.normal, ray.direction) < 0.0) hit.sheet.normal = glm::normalize(sums.normal);
-  hit.color = Color16(sums.color / sums.weight + 0.5);
-  hit.sheet.thickness += static_cast<float>(2.0 * sums.farthest);
   return hit;
+}
+
+void DiscCloud::blend(std::span<const Ray> rays, std::span<const Blended> blended,
+                      std::span<std::optional<DiscHit>> hits, Neighbours& room) const {
+  const auto met = [&](const Blended& hit) { return rays[hit.number].position(hits[hit.number]->t); };
+  Bounds bounds;
+  for (const Blended& hit : blended) bounds.grow(met(hit));
+  const glm::dvec3 middle = blended.size() == 1 ? bounds.min : bounds.center();
+  double reach = 0.0;
+  for (const Blended& hit : blended) reach = std::max(reach, distance(middle, met(hit)));
+  // Distances round: what holds a hit must be among what is near all.
+  if (reach > 0.0) reach += 0x1p-40 * (reach + query_.radius);
+  find_neighbours(middle, reach, room);
+  for (const Blended& each : blended) {
+    const Ray& ray = rays[each.number];
+    DiscHit& hit = *hits[each.number];
+    const SheetSums sheet = sums(ray, hit, room.discs);
+    if (!(sheet.weight > 0.0)) continue;
+    const double t = hit.t + sheet.t / sheet.weight;
+    if (t >= ray.t_min && t <= ray.t_max) hit.t = t;
+    // A sheet that curves out of sight keeps the side that the ray came from.
+    if (glm::dot(sheet.normal, ray.direction) < 0.0) hit.sheet.normal = glm::normalize(sheet.normal);
+    hit.color = Color16(sheet.color / sheet.weight + 0.5);
+    hit.sheet.thickness += static_cast<float>(2.0 * sheet.farthest);
+  }
 }
 
 void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
@@ -157,11 +199,24 @@ void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> 
     if (!colors_.shallow().empty()) __builtin_prefetch(colors_.shallow().data() + first[i]->point_id);
   };
   for (std::size_t i = 0; i < k_ahead; ++i) fetch(i);
-  std::vector<PointSphere> around;
+  std::vector<Blended> blended;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     fetch(i + k_ahead);
     hits[i].reset();
-    if (first[i]) hits[i] = disc_hit(rays[i], *first[i], blends_ && origins[i].reach == 0.0f, around);
+    if (!first[i]) continue;
+    hits[i] = disc_hit(rays[i], *first[i]);
+    if (blends_ && origins[i].reach == 0.0f && hits[i]->sheet.reach > 0.0f)
+      blended.push_back({first[i]->index, static_cast<std::uint32_t>(i)});
+  }
+  // Hits on one disc share its neighbours.
+  std::ranges::sort(blended);
+  Neighbours room;
+  for (std::span<const Blended> rest = blended; !rest.empty();) {
+    const auto others =
+        std::ranges::find_if(rest, [&](const Blended& hit) { return hit.index != rest.front().index; });
+    const auto count = static_cast<std::size_t>(others - rest.begin());
+    blend(rays, rest.first(count), hits, room);
+    rest = rest.subspan(count);
   }
 }
 
@@ -179,15 +234,15 @@ struct DiscCloud::Rim {
 };
 
 std::optional<DiscCloud::Rim> DiscCloud::rim(const Ray& ray, std::size_t number, const SurfaceHit& first,
-                                             double before, std::vector<PointSphere>& around) const {
+                                             double before) const {
   const double chord = project(ray, first.position).t - first.t;
   if (!surfaces_.surface_at(first.index).exists) return Rim{number, before + first.t, {}, 2.0 * chord};
-  const DiscHit hit = disc_hit(ray, first, false, around);
+  const DiscHit hit = disc_hit(ray, first);
   const glm::dvec3 met = ray.origin + first.t * ray.direction, normal = hit.sheet.normal;
   SurfaceQuery reached = query_;
   reached.spacing_factor = k_amid;
-  around.clear();
-  find_enclosing(surfaces_, met, reached, around);
+  std::vector<PointSphere> around;
+  find_spheres(surfaces_, met, 0.0, reached, around);
   std::vector<glm::dvec3> offsets;
   for (const PointSphere& sphere : around) {
     const PointSurface surface = surfaces_.surface_at(sphere.index);
@@ -198,17 +253,17 @@ std::optional<DiscCloud::Rim> DiscCloud::rim(const Ray& ray, std::size_t number,
   return Rim{number, before + first.t, hit.sheet, 0.0};
 }
 
-HitTrust DiscCloud::trust_amid(const Ray& ray, const SurfaceHit& first,
-                               std::vector<PointSphere>& around) const {
+HitTrust DiscCloud::trust_amid(const Ray& ray, const SurfaceHit& first, Neighbours& room) const {
   constexpr double k_least_share = 0.01;  // of the radius
   const PointSurface surface = surfaces_.surface_at(first.index);
   if (!surface.exists) return {project(ray, first.position).t - first.t, 1};
-  const DiscHit hit = disc_hit(ray, first, false, around);
-  const SheetSums sums = blend(ray, hit, around);
+  const DiscHit hit = disc_hit(ray, first);
+  find_neighbours(ray.position(hit.t), 0.0, room);
+  const SheetSums sheet = sums(ray, hit, room.discs);
   const double slope = std::fabs(glm::dot(hit.sheet.normal, ray.direction));
   const double thickness = (surface.thickness + k_least_share * hit.sheet.reach / k_sheet_radii) / slope;
-  const std::uint32_t support = std::max(sums.count, 1u);
-  return {std::sqrt(sums.spread() + thickness * thickness / support), support};
+  const std::uint32_t support = std::max(sheet.count, 1u);
+  return {std::sqrt(sheet.spread() + thickness * thickness / support), support};
 }
 
 void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) const {
@@ -219,14 +274,14 @@ void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) co
   std::vector<std::optional<SurfaceHit>> first(rays.size()), earlier(rays.size());
   alidade::closest(surfaces_, rays, query_, first);
   alidade::closest(surfaces_, rays, wide, earlier);
-  std::vector<PointSphere> around;
   std::vector<Rim> rims;
+  Neighbours room;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     answers[i] = {};
     if (!first[i]) continue;
-    answers[i] = trust_amid(rays[i], *first[i], around);
+    answers[i] = trust_amid(rays[i], *first[i], room);
     if (earlier[i]) answers[i].sigma = std::max(answers[i].sigma, (first[i]->t - earlier[i]->t) / k_apart);
-    if (const auto found = rim(rays[i], i, *first[i], 0.0, around)) rims.push_back(*found);
+    if (const auto found = rim(rays[i], i, *first[i], 0.0)) rims.push_back(*found);
   }
   // At a rim the surface may be what lies behind; in foliage that is another rim.
   for (int round = 0; round < k_most_rims && !rims.empty(); ++round) {
@@ -248,7 +303,7 @@ void DiscCloud::trust(std::span<const Ray> rays, std::span<HitTrust> answers) co
         continue;
       }
       sigma = std::max(sigma, (rims[i].t + behind[i]->t - first[number]->t) / k_apart);
-      if (const auto found = rim(on[i], number, *behind[i], rims[i].t, around)) next.push_back(*found);
+      if (const auto found = rim(on[i], number, *behind[i], rims[i].t)) next.push_back(*found);
     }
     rims = std::move(next);
   }

@@ -63,19 +63,25 @@ class DiscCloud {
 
  private:
   struct Rim;
+  struct Neighbour;
+  struct Neighbours;
+  struct Blended;
   struct SheetSums;
 
   /// For rays that begin there.
   SurfaceQuery query_of(std::span<const SheetOrigin> origins) const;
-  DiscHit disc_hit(const Ray& ray, const SurfaceHit& first, bool blends,
-                   std::vector<PointSphere>& around) const;
-  /// Over the discs of the sheet around a hit on one of them. around: room.
-  SheetSums blend(const Ray& ray, const DiscHit& hit, std::vector<PointSphere>& around) const;
+  DiscHit disc_hit(const Ray& ray, const SurfaceHit& first) const;
+  /// The discs that may share in hits within `reach` metres of a position.
+  void find_neighbours(const glm::dvec3& position, double reach, Neighbours& around) const;
+  /// Over the discs of the sheet around a hit on one of them.
+  SheetSums sums(const Ray& ray, const DiscHit& hit, std::span<const Neighbour> around) const;
+  /// Blends hits on one disc.
+  void blend(std::span<const Ray> rays, std::span<const Blended> blended,
+             std::span<std::optional<DiscHit>> hits, Neighbours& room) const;
   /// How far a hit is to be trusted that is not at a rim.
-  HitTrust trust_amid(const Ray& ray, const SurfaceHit& first, std::vector<PointSphere>& around) const;
+  HitTrust trust_amid(const Ray& ray, const SurfaceHit& first, Neighbours& room) const;
   /// The hit as that of a rim, unless points of its sheet surround it. before: t where the ray begins.
-  std::optional<Rim> rim(const Ray& ray, std::size_t number, const SurfaceHit& first, double before,
-                         std::vector<PointSphere>& around) const;
+  std::optional<Rim> rim(const Ray& ray, std::size_t number, const SurfaceHit& first, double before) const;
   Color16 color_of(std::uint64_t point_id) const { return colors_.empty() ? Color16(0) : colors_[point_id]; }
 
   const SurfaceCloud surfaces_;

@@ -154,8 +154,8 @@ std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::d
     return SphereAround{around.front().point_id, cloud.radius, around.front().distance};
   }
   std::vector<PointSphere> spheres;
-  find_enclosing(cloud.surfaces, position, {.radius = cloud.radius, .spacing_factor = cloud.spacing_factor},
-                 spheres);
+  find_spheres(cloud.surfaces, position, 0.0,
+               {.radius = cloud.radius, .spacing_factor = cloud.spacing_factor}, spheres);
   std::optional<SphereAround> nearest;
   for (const PointSphere& sphere : spheres) {
     const SphereAround around{point_id(cloud.octree.view(), sphere.index), sphere.radius,

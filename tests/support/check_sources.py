@@ -31,7 +31,7 @@ WITHOUT_HEADER = {
     "octree/simd/point_search.cpp": "search<glm::dvec3> of octree/simd/search.h",
     "octree/simd/ray_search.cpp": "search<Ray> of octree/simd/search.h",
     "python/module.cpp": "the function that Python calls",
-    "surface/simd/enclosing_spheres.cpp": "surface/surface_cloud.h: all SIMD code is in simd/, what users include is not",
+    "surface/simd/near_spheres.cpp": "surface/surface_cloud.h: all SIMD code is in simd/, what users include is not",
     "python/python_images.cpp": "bindings, added by a function of python/python_cloud.h",
     "python/python_jobs.cpp": "python/python_cloud.h declares give()",
     "python/python_queries.cpp": "bindings, added by a function of python/python_cloud.h",

@@ -303,9 +303,9 @@ TEST(Crossing, a_ray_at_the_edge_of_a_disc_meets_it_and_one_beside_does_not) {
       EXPECT_FALSE(closest(discs, through, entered));
       // The limit is closed for positions in the spheres, too.
       std::vector<PointSphere> held;
-      find_enclosing(discs, {1.0 + radius, 0.5, 0.0}, query, held);
+      find_spheres(discs, {1.0 + radius, 0.5, 0.0}, 0.0, query, held);
       EXPECT_EQ(held.size(), 1u);
-      find_enclosing(discs, {std::nextafter(1.0 + radius, 2.0), 0.5, 0.0}, query, held);
+      find_spheres(discs, {std::nextafter(1.0 + radius, 2.0), 0.5, 0.0}, 0.0, query, held);
       EXPECT_EQ(held.size(), 1u);
     }
   }

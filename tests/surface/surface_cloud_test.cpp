@@ -50,6 +50,12 @@ TEST_P(SurfaceCloudOn, every_instruction_set_finds_all_spheres_that_hold_a_posit
           query.spacing_factor = 1e6;
           if (!(query.radius > 0.0)) continue;
         }
+        double reach = 0.0;
+        if (i % 3 == 2) {
+          reach = std::pow(10.0, random.between(-4.0, 1.0));
+          // What just comes within reach.
+          if (i % 2 == 0) query.radius = std::max(distance(position, point) - reach, 1e-3);
+        }
         // Wider than lanes take.
         if (i == 2) query.radius = 1e20;
         std::vector<PointSphere> expected;
@@ -57,12 +63,13 @@ TEST_P(SurfaceCloudOn, every_instruction_set_finds_all_spheres_that_hold_a_posit
           for (std::uint32_t p = 0; p < leaf.count; ++p) {
             const double radius = own_radius(query, spacing_at(octree.layers(), leaf.first + p));
             const glm::dvec3 center = to_world(octree.lattice(), position_of(octree.view(), leaf, p));
-            if (distance(position, center) <= radius) expected.push_back({center, radius, leaf.first + p});
+            if (distance(position, center) <= radius + reach)
+              expected.push_back({center, radius, leaf.first + p});
           }
         });
         std::ranges::sort(expected, {}, &PointSphere::index);
         std::vector<PointSphere> found{{glm::dvec3(7.0), 7.0, 7}};
-        find_enclosing(spheres, position, query, found);
+        find_spheres(spheres, position, reach, query, found);
         ASSERT_EQ(found.size(), expected.size() + 1) << disc_case.name << " " << named.name << " " << i;
         for (std::size_t s = 0; s < expected.size(); ++s) {
           ASSERT_EQ(found[s + 1].index, expected[s].index);
@@ -130,7 +137,7 @@ TEST_P(SurfaceCloudOn, every_instruction_set_fits_the_same_surfaces_on_demand) {
         EXPECT_EQ(discs.view().stored_edges[index], all.view().stored_edges[index]);
       }
       std::vector<PointSphere> held;
-      find_enclosing(discs, c.ray.origin, query, held);
+      find_spheres(discs, c.ray.origin, 0.0, query, held);
       for (const PointSphere& sphere : held)
         ASSERT_EQ(discs.view().stored_surfaces[sphere.index], all.view().stored_surfaces[sphere.index]);
     }
@@ -340,7 +347,7 @@ TEST(SurfaceCloud, of_no_points_answers_nothing) {
       EXPECT_EQ(hits, std::vector<std::optional<SurfaceHit>>(2));
       EXPECT_EQ(blocked, std::vector<std::uint8_t>(2, 0));
       std::vector<PointSphere> held;
-      find_enclosing(cloud, {0, 0, 0}, query, held);
+      find_spheres(cloud, {0, 0, 0}, 0.0, query, held);
       EXPECT_TRUE(held.empty());
     }
   }

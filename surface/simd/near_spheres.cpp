@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "surface/simd/enclosing_spheres.cpp"
+#define HWY_TARGET_INCLUDE "surface/simd/near_spheres.cpp"
 #include <hwy/foreach_target.h>
 
 #include "octree/answer_target.h"
@@ -18,14 +18,16 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// The walk to the spheres that hold a position.
-class EnclosingSpheres {
+/// The walk to the spheres that come near a position.
+class NearSpheres {
  public:
-  EnclosingSpheres(const SurfaceView& view, const glm::dvec3& position, const SurfaceQuery& query,
-                   std::vector<PointSphere>& spheres)
+  NearSpheres(const SurfaceView& view, const glm::dvec3& position, double reach, const SurfaceQuery& query,
+              std::vector<PointSphere>& spheres)
       : view_(view),
         tree_(view.tree),
         position_(position),
+        reach_(reach),
+        reach_above_(float_above(reach)),
         query_(query),
         local_(view.tree, position),
         radii_(view, query),
@@ -55,6 +57,7 @@ class EnclosingSpheres {
   HWY_INLINE unsigned near_slots(const Node& node, const Frame& frame, const LocalPoint::Local& local) const {
     const ChildLanes d;
     const auto grid_step = static_cast<float>(power_of_two(frame.level - k_min_frame_level));
+    const auto reach = hn::Set(d, reach_above_);
     unsigned near = 0;
     for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
       auto distance_sq = hn::Zero(d);
@@ -63,7 +66,7 @@ class EnclosingSpheres {
         const auto gap = hn::Max(hn::Max(to_low, from_high), hn::Zero(d));
         distance_sq = hn::MulAdd(gap, gap, distance_sq);
       }
-      const auto radius = radii_.below_slots(d, frame.node, lane);
+      const auto radius = hn::Add(radii_.below_slots(d, frame.node, lane), reach);
       const auto limit_sq = hn::Mul(hn::Mul(radius, radius), hn::Set(d, k_up));
       near |= mask_bits(d, hn::Le(distance_sq, limit_sq)) << lane;
     }
@@ -73,12 +76,13 @@ class EnclosingSpheres {
   HWY_INLINE void visit_leaf(const Leaf& leaf, int level, const LocalPoint::Local& local) {
     const PointLanes d;
     const auto error = hn::Set(d, local.error + LeafCoordinates::lost(level, local_.widest_scale()));
+    const auto reach = hn::Set(d, reach_above_);
     const LeafCoordinates coordinates(tree_, leaf, level, local_.scale(), local.point);
     std::uint32_t possible = 0;
     for (int first = 0; first < coordinates.count; first += static_cast<int>(hn::Lanes(d))) {
       const auto x = coordinates(0, first), y = coordinates(1, first), z = coordinates(2, first);
       const auto distance_sq = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
-      const auto radius = radii_.of_points(d, leaf.first + static_cast<std::uint32_t>(first));
+      const auto radius = hn::Add(radii_.of_points(d, leaf.first + static_cast<std::uint32_t>(first)), reach);
       possible |= coordinates.in_leaf(hn::Le(distance_sq, SquaredRadius::outer(d, radius, error)), first)
                   << first;
     }
@@ -90,25 +94,27 @@ class EnclosingSpheres {
       const PointSphere sphere{to_world(tree_.lattice, stored[i].position),
                                own_radius(query_, spacing_at(view_.layers, stored[i].index)),
                                stored[i].index};
-      if (distance(position_, sphere.center) <= sphere.radius) spheres_.push_back(sphere);
+      if (distance(position_, sphere.center) <= sphere.radius + reach_) spheres_.push_back(sphere);
     }
   }
 
   const SurfaceView& view_;
   const TreeView& tree_;
   const glm::dvec3& position_;
+  const double reach_;
+  const float reach_above_;
   const SurfaceQuery& query_;
   const LocalPoint local_;
   const OwnRadii radii_;
   std::vector<PointSphere>& spheres_;
 };
 
-void find_enclosing(const SurfaceView& view, const glm::dvec3& position, const SurfaceQuery& query,
-                    std::vector<PointSphere>& spheres) {
-  EnclosingSpheres(view, position, query, spheres).run();
+void find_spheres(const SurfaceView& view, const glm::dvec3& position, double reach,
+                  const SurfaceQuery& query, std::vector<PointSphere>& spheres) {
+  NearSpheres(view, position, reach, query, spheres).run();
 }
 
-constexpr auto k_find_enclosing = &find_enclosing;
+constexpr auto k_find_spheres = &find_spheres;
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd
@@ -118,32 +124,32 @@ HWY_AFTER_NAMESPACE();
 namespace alidade {
 namespace {
 
-using FindEnclosing = void (*)(const SurfaceView&, const glm::dvec3&, const SurfaceQuery&,
-                               std::vector<PointSphere>&);
+using FindSpheres = void (*)(const SurfaceView&, const glm::dvec3&, double, const SurfaceQuery&,
+                             std::vector<PointSphere>&);
 
-FindEnclosing find_enclosing_with(InstructionSet instruction_set) {
+FindSpheres find_spheres_with(InstructionSet instruction_set) {
   using namespace simd;
-  ALIDADE_CHOOSE_TABLE(instruction_set, k_find_enclosing)
+  ALIDADE_CHOOSE_TABLE(instruction_set, k_find_spheres)
 }
 
 }  // namespace
 
-void find_enclosing(const SurfaceCloud& cloud, const glm::dvec3& position, const SurfaceQuery& query,
-                    std::vector<PointSphere>& spheres) {
+void find_spheres(const SurfaceCloud& cloud, const glm::dvec3& position, double reach,
+                  const SurfaceQuery& query, std::vector<PointSphere>& spheres) {
   const SurfaceView& view = cloud.view();
   const TreeView& tree = view.tree;
   if (cloud.size() == 0) return;
   const auto first = static_cast<std::ptrdiff_t>(spheres.size());
-  if (simd::suits_lanes(tree, position, PointQuery{.radius = query.radius}) &&
+  if (simd::suits_lanes(tree, position, PointQuery{.radius = query.radius + reach}) &&
       query.spacing_factor < k_longest) {
-    find_enclosing_with(cloud.octree().instruction_set())(view, position, query, spheres);
+    find_spheres_with(cloud.octree().instruction_set())(view, position, reach, query, spheres);
   } else {
     cloud.fit_all();
     for_each_leaf(tree, [&](const Leaf& leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const PointSphere sphere{to_world(tree.lattice, position_of(tree, leaf, i)),
                                  own_radius(query, spacing_at(view.layers, leaf.first + i)), leaf.first + i};
-        if (distance(position, sphere.center) <= sphere.radius) spheres.push_back(sphere);
+        if (distance(position, sphere.center) <= sphere.radius + reach) spheres.push_back(sphere);
       }
     });
   }
