@@ -69,8 +69,8 @@ struct RenderTask {
   bool hides_sky;  ///< from the camera: OutputSettings::transparent, background
 };
 
-/// Paths traced together: more share more of the cloud, fewer stay in the processor's second-level cache.
-inline constexpr std::size_t k_most_paths = 4096;
+/// Paths traced together: more share more of the cloud and take more memory, about 1 kB each.
+inline constexpr std::size_t k_most_paths = 16384;
 
 /// The samples first .. last - 1 of every pixel of a box.
 struct TileSamples {
