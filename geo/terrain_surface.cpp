@@ -341,6 +341,11 @@ std::optional<TerrainHit> TerrainSurface::closest(const Ray& ray, const TerrainF
   return best;
 }
 
+std::optional<Surfaces::Hit> TerrainSurface::nearest(const Ray& ray) const {
+  const std::optional<TerrainHit> met = closest(ray);
+  return met ? std::optional(Hit{.t = met->t, .normal = met->normal}) : std::nullopt;
+}
+
 bool TerrainSurface::occluded(const Ray& ray, const TerrainFilter& counts) const {
   const Walk walk(ray, heights_.grid);
   bool is_met = false;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "base/ray.h"
+#include "base/surfaces.h"
 #include "geo/raster.h"
 
 namespace alidade::geo {
@@ -35,7 +35,7 @@ using TerrainFilter = std::function<bool(const TerrainHit&)>;
 /// The answer is that of a loop over all patches, bit for bit: least t first, then the northernmost row, then
 /// the westernmost column. Patches share their edges, with one height for both, so that rays do not slip
 /// through between two of them. t is right to 1e-8 m where the ray does not graze the surface.
-class TerrainSurface {
+class TerrainSurface final : public Surfaces {
  public:
   /// Heights in the unit of the grid; those that are not finite are holes. Memory: 7 B per cell, the heights
   /// included. Cost: 10 ns per cell. Requires: as many values as cells.
@@ -45,7 +45,12 @@ class TerrainSurface {
   /// over or through what is far from it in a few steps, and takes some 50 ns per patch near it.
   std::optional<TerrainHit> closest(const Ray& ray, const TerrainFilter& counts = {}) const;
   /// Whether there is one: faster.
-  bool occluded(const Ray& ray, const TerrainFilter& counts = {}) const;
+  bool occluded(const Ray& ray, const TerrainFilter& counts) const;
+
+  std::optional<Hit> nearest(const Ray& ray) const override;
+  bool occluded(const Ray& ray) const override { return occluded(ray, {}); }
+  const Bounds& bounds() const override { return bounds_; }  ///< of all patches
+
   /// The answer to closest() from a loop over all patches, for tests.
   std::optional<TerrainHit> closest_by_brute_force(const Ray& ray, const TerrainFilter& counts = {}) const;
 
@@ -62,7 +67,6 @@ class TerrainSurface {
   bool any(const std::function<bool(const Bounds&)>& box) const;
 
   const Raster<float>& heights() const { return heights_; }  ///< holes are NaN
-  const Bounds& bounds() const { return bounds_; }           ///< of all patches, world; empty without any
   std::uint64_t patch_count() const { return patch_count_; }
 
  private:

@@ -290,6 +290,14 @@ std::optional<TriangleHit> TriangleTree::closest(const Ray& ray, const TriangleF
   return best;
 }
 
+std::optional<Surfaces::Hit> TriangleTree::nearest(const Ray& ray) const {
+  const std::optional<TriangleHit> met = closest(ray);
+  if (!met) return std::nullopt;
+  Hit hit{.t = met->t, .normal = met->normal};
+  hit.color = color(*met).value_or(hit.color);
+  return hit;
+}
+
 bool TriangleTree::occluded(const Ray& ray, const TriangleFilter& counts) const {
   Walk walk = walk_of(ray);
   bool is_met = false;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "base/ray.h"
+#include "base/surfaces.h"
 #include "mesh/triangle_mesh.h"
 
 namespace alidade {
@@ -34,7 +34,7 @@ using TriangleFilter = std::function<bool(const TriangleHit&)>;
 /// and vertices belong to all their triangles, so that no ray passes between two adjacent ones.
 /// Triangles are tested in coordinates relative to the middle of the mesh, so that t is correct to 1e-8 m
 /// also with projected coordinates.
-class TriangleTree {
+class TriangleTree final : public Surfaces {
  public:
   /// Builds the tree, the same with any number of threads. `progress` counts triangles. Requires at least one
   /// triangle, and triangles whose vertices exist. Errors: Cancelled. Memory: 28 bytes per triangle, and 40
@@ -45,14 +45,17 @@ class TriangleTree {
   /// for a million triangles.
   std::optional<TriangleHit> closest(const Ray& ray, const TriangleFilter& counts = {}) const;
   /// Whether there is such a hit. Faster than closest().
-  bool occluded(const Ray& ray, const TriangleFilter& counts = {}) const;
+  bool occluded(const Ray& ray, const TriangleFilter& counts) const;
+
+  std::optional<Hit> nearest(const Ray& ray) const override;
+  bool occluded(const Ray& ray) const override { return occluded(ray, {}); }
+  const Bounds& bounds() const override { return bounds_; }
 
   /// Whether `triangle` accepts the vertices of any triangle. Skips the triangles in boxes that `box`
   /// rejects: it must accept all boxes of triangles that `triangle` accepts. Both get world coordinates.
   bool any(const std::function<bool(const Bounds&)>& box,
            const std::function<bool(const std::array<glm::dvec3, 3>&)>& triangle) const;
 
-  const Bounds& bounds() const { return bounds_; }  ///< world
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
 
   /// Linear colour at a hit; empty if the mesh has none.

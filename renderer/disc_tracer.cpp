@@ -119,7 +119,7 @@ void DiscCloud::find_neighbours(const glm::dvec3& position, double reach, Neighb
     const PointSurface surface = surfaces_.surface_at(sphere.index);
     if (!surface.exists) continue;
     around.discs.push_back({point_disc(sphere.center, surface, sphere.radius),
-                            glm::dvec3(color_of(point_id(surfaces_.view().tree, sphere.index)))});
+                            glm::dvec3(color_of(colors_, point_id(surfaces_.view().tree, sphere.index)))});
   }
 }
 
@@ -147,7 +147,7 @@ DiscCloud::SheetSums DiscCloud::sums(const Ray& ray, const DiscHit& hit,
 }
 
 DiscHit DiscCloud::disc_hit(const Ray& ray, const SurfaceHit& first) const {
-  DiscHit hit{.t = first.t, .point_id = first.point_id, .color = color_of(first.point_id)};
+  DiscHit hit{.t = first.t, .point_id = first.point_id, .color = color_of(colors_, first.point_id)};
   const PointSurface surface = surfaces_.surface_at(first.index);
   const glm::dvec3 met = ray.origin + first.t * ray.direction;
   if (!surface.exists) {
@@ -191,17 +191,10 @@ void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> 
                         std::span<std::optional<DiscHit>> hits) const {
   std::vector<std::optional<SurfaceHit>> first(rays.size());
   alidade::closest(surfaces_, rays, query_of(origins), first);
-  // What is stored by point id is far apart.
-  constexpr std::size_t k_ahead = 16;
-  const auto fetch = [&](std::size_t i) {
-    if (i >= rays.size() || !first[i]) return;
-    if (!colors_.deep().empty()) __builtin_prefetch(colors_.deep().data() + first[i]->point_id);
-    if (!colors_.shallow().empty()) __builtin_prefetch(colors_.shallow().data() + first[i]->point_id);
-  };
-  for (std::size_t i = 0; i < k_ahead; ++i) fetch(i);
+  const ColorsAhead colors(colors_, first);
   std::vector<Blended> blended;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    fetch(i + k_ahead);
+    colors.fetch(i);
     hits[i].reset();
     if (!first[i]) continue;
     hits[i] = disc_hit(rays[i], *first[i]);

@@ -27,6 +27,35 @@
 
 namespace alidade::renderer {
 
+/// The colour of a point; black where there are none.
+inline Color16 color_of(const ColorColumn& colors, std::uint64_t point_id) {
+  return colors.empty() ? Color16(0) : colors[point_id];
+}
+
+/// The colours of hits, read one after another: those of points that rays meet are far apart in memory.
+template <class Hits>
+class ColorsAhead {
+ public:
+  ColorsAhead(const ColorColumn& colors, const Hits& hits) : colors_(colors), hits_(hits) {
+    for (std::size_t i = 0; i < k_ahead; ++i) fetch_one(i);
+  }
+  /// To be called before hit i is read.
+  void fetch(std::size_t i) const { fetch_one(i + k_ahead); }
+  Color16 of(std::uint64_t point_id) const { return color_of(colors_, point_id); }
+
+ private:
+  static constexpr std::size_t k_ahead = 16;
+
+  void fetch_one(std::size_t i) const {
+    if (i >= hits_.size() || !hits_[i]) return;
+    if (!colors_.deep().empty()) __builtin_prefetch(colors_.deep().data() + hits_[i]->point_id);
+    if (!colors_.shallow().empty()) __builtin_prefetch(colors_.shallow().data() + hits_[i]->point_id);
+  }
+
+  const ColorColumn& colors_;
+  const Hits& hits_;
+};
+
 /// Where a ray meets the cloud. Small, since there are thousands at a time.
 struct DiscHit {
   double t = 0.0;              ///< metres
@@ -82,7 +111,6 @@ class DiscCloud {
   HitTrust trust_amid(const Ray& ray, const SurfaceHit& first, Neighbours& room) const;
   /// The hit as that of a rim, unless points of its sheet surround it. before: t where the ray begins.
   std::optional<Rim> rim(const Ray& ray, std::size_t number, const SurfaceHit& first, double before) const;
-  Color16 color_of(std::uint64_t point_id) const { return colors_.empty() ? Color16(0) : colors_[point_id]; }
 
   const SurfaceCloud surfaces_;
   const SurfaceQuery query_;

@@ -69,7 +69,7 @@ std::string text_of(const std::vector<Object>& objects) {
   for (const Object& object : objects) {
     // The name of a mesh has file, placement and a checksum.
     if (const Model* const model = std::get_if<Model>(&object))
-      all.push_back({model->surfaces->name(), material_form().write(model->material)});
+      all.push_back({model->name, material_form().write(model->material)});
     else
       all.push_back(scene_object_form().write(object));
   }

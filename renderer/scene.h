@@ -12,8 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "base/bounds.h"
-#include "base/ray.h"
+#include "base/surfaces.h"
 #include "camera/camera.h"
 #include "cloud/read_cloud.h"
 #include "geo/sun.h"
@@ -87,39 +86,20 @@ struct GroundPlane {
   Material material = Lambertian{Rgb(0.5f)};
 };
 
-/// Surfaces with colours of their own that are not the scene's to describe, such as the exact site behind a
-/// simulated scan. Opaque, seen from both sides. Safe to query from many threads.
-class Surfaces {
- public:
-  struct Hit {
-    double t = 0.0;                    ///< along the ray, metres
-    glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit, towards the side the ray came from
-    Rgb color{1.0f};                   ///< linear
-  };
-
-  Surfaces() = default;
-  Surfaces(const Surfaces&) = delete;
-  Surfaces& operator=(const Surfaces&) = delete;
-  virtual ~Surfaces() = default;
-
-  /// The first one with t_min <= t <= t_max, where t_min is at least 0. Equal answers for equal rays.
-  virtual std::optional<Hit> closest(const Ray& ray) const = 0;
-  virtual Bounds bounds() const = 0;  ///< world
-  /// For messages and checkpoints: equal names mean equal surfaces.
-  virtual std::string name() const = 0;
-};
-
 /// A mesh in a file, and where it is placed.
 struct MeshFile {
   std::filesystem::path file;
   MeshPlacement placement;
 };
 
-/// Surfaces as part of a scene.
+/// Surfaces that are not the scene's to describe, as part of it: a mesh, or the exact site behind a simulated
+/// scan.
 struct Model {
-  /// Not null when rendered; those of a mesh are null until its file is read (mesh/triangle_mesh.h) and made
-  /// MeshSurfaces (renderer/mesh_surfaces.h).
+  /// Not null when rendered; those of a mesh are null until its file is read (mesh/triangle_mesh.h) and made a
+  /// TriangleTree (mesh/triangle_tree.h).
   std::shared_ptr<const Surfaces> surfaces;
+  /// Of the surfaces, for messages and checkpoints: equal names mean equal surfaces.
+  std::string name{};
   Material material = Lambertian{};  ///< lambertian or metal
   std::optional<MeshFile> mesh{};    ///< empty: surfaces of another kind
 };

@@ -75,8 +75,18 @@ constexpr double k_model_clearance = 1e-5;  // metres
 
 double intersect(const Model& model, const Ray& ray, bool own, bool /*inward*/) {
   const auto hit =
-      model.surfaces->closest({ray.origin, ray.direction, own ? k_model_clearance : 0.0, k_none});
+      model.surfaces->nearest({ray.origin, ray.direction, own ? k_model_clearance : 0.0, k_none});
   return hit ? hit->t : k_none;
+}
+
+/// Whether a ray meets an object before t = reach.
+template <class Object>
+bool blocks(const Object& object, const Ray& ray, double reach, bool own, bool inward) {
+  return intersect(object, ray, own, inward) < reach;
+}
+bool blocks(const Model& model, const Ray& ray, double reach, bool own, bool /*inward*/) {
+  return model.surfaces->occluded(
+      {ray.origin, ray.direction, own ? k_model_clearance : 0.0, std::nextafter(reach, 0.0)});
 }
 
 Surface on_sphere(const Ray& ray, double t, const glm::dvec3& center, double radius) {
@@ -91,7 +101,7 @@ Surface on_sphere(const Ray& ray, double t, const glm::dvec3& center, double rad
 Surface on_model(const Ray& ray, double t, const Model& model) {
   constexpr double k_slack = 1e-9;  // nothing is nearer
   const auto hit =
-      model.surfaces->closest({ray.origin, ray.direction, std::max(t - k_slack, 0.0), t + k_slack});
+      model.surfaces->nearest({ray.origin, ray.direction, std::max(t - k_slack, 0.0), t + k_slack});
   Surface surface{.position = ray.origin + t * ray.direction, .material = &model.material};
   surface.ray_origin = surface.position;
   surface.normal = hit ? hit->normal : -ray.direction;
@@ -173,13 +183,24 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
 Intersection World::nearest_object(const Ray& ray, const RayOrigin& ray_origin) const {
   Intersection best;
   for (std::size_t index = 0; index < objects_->size(); ++index) {
-    const bool own = ray_origin.from == RayOrigin::From::object && ray_origin.index == index;
-    const double t =
-        std::visit([&](const auto& object) { return intersect(object, ray, own, ray_origin.inward); },
-                   (*objects_)[index]);
+    const double t = std::visit(
+        [&](const auto& object) {
+          return intersect(object, ray, ray_origin.is_object(index), ray_origin.inward);
+        },
+        (*objects_)[index]);
     if (t < best.t) best = {.t = t, .index = index};
   }
   return best;
+}
+
+bool World::any_object(const Ray& ray, const RayOrigin& ray_origin, double reach) const {
+  for (std::size_t index = 0; index < objects_->size(); ++index) {
+    const auto is_met = [&](const auto& object) {
+      return blocks(object, ray, reach, ray_origin.is_object(index), ray_origin.inward);
+    };
+    if (std::visit(is_met, (*objects_)[index])) return true;
+  }
+  return false;
 }
 
 std::optional<Intersection> World::nearest(const Ray& ray, const RayOrigin& ray_origin) const {
@@ -193,6 +214,11 @@ void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
   std::vector<Ray> asked;
   std::vector<SheetOrigin> sheets;
   std::vector<std::size_t> numbers;
+  if (cloud_) {
+    asked.reserve(rays.size());
+    numbers.reserve(rays.size());
+    if (discs_) sheets.reserve(rays.size());
+  }
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Intersection best = nearest_object(rays[i], ray_origins[i]);
     if (cloud_ && ray_origins[i].from == RayOrigin::From::point && ray_origins[i].inward && !discs_) {
@@ -203,7 +229,8 @@ void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
                 .on_cloud = true,
                 .index = ray_origin.index,
                 .center = ray_origin.center,
-                .radius = ray_origin.radius};
+                .radius = ray_origin.radius,
+                .color = color_of(cloud_->colors, ray_origin.index)};
       }
     } else if (cloud_) {
       asked.push_back(interval(rays[i], best.t));
@@ -227,7 +254,9 @@ void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t>
   const auto meet = [&](const auto& cloud, const auto& query, const auto& radius_of) {
     std::vector<decltype(closest(cloud, rays.front(), query))> hits(rays.size());
     closest(cloud, rays, query, hits);
+    const ColorsAhead colors(cloud_->colors, hits);
     for (std::size_t i = 0; i < rays.size(); ++i) {
+      colors.fetch(i);
       const auto& hit = hits[i];
       std::optional<Intersection>& best = met[numbers[i]];
       if (!hit || (best && hit->entry >= best->t)) continue;
@@ -235,7 +264,8 @@ void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t>
               .on_cloud = true,
               .index = hit->point_id,
               .center = hit->position,
-              .radius = radius_of(*hit)};
+              .radius = radius_of(*hit),
+              .color = colors.of(hit->point_id)};
     }
   };
   if (!cloud_->own_radii)
@@ -294,7 +324,7 @@ void World::blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
   std::vector<SheetOrigin> sheets;
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    answers[i] = nearest_object(rays[i], ray_origins[i]).t < reach ? 1 : 0;
+    answers[i] = any_object(rays[i], ray_origins[i], reach) ? 1 : 0;
     if (answers[i] != 0 || !cloud_) continue;
     asked.push_back({rays[i].origin, rays[i].direction, discs_ ? cloud_->query.entry_min : 0.0, reach});
     if (discs_) sheets.push_back(ray_origins[i].sheet);
@@ -335,9 +365,7 @@ Surface World::surface_at(const Ray& ray, const Intersection& intersection) cons
     Surface surface = on_sphere(ray, intersection.t, intersection.center, intersection.radius);
     surface.material = &cloud_->material;
     if (smooth_normals_) smooth(ray, intersection, surface);
-    const Color16 color =
-        cloud_->shows_normals ? normal_color(ray, surface.normal) : cloud_->colors[intersection.index];
-    surface.color = linear(color);
+    surface.color = linear(cloud_->shows_normals ? normal_color(ray, surface.normal) : intersection.color);
     return surface;
   }
   const Object& object = (*objects_)[intersection.index];

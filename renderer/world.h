@@ -57,6 +57,8 @@ struct RayOrigin {
   bool inward = false;      ///< the ray continues inside
   double radius = 0.0;      ///< of the point's sphere; needed by rays that continue inside
   SheetOrigin sheet{};      ///< of clouds of discs
+
+  bool is_object(std::size_t number) const { return from == From::object && index == number; }
 };
 
 /// Where a ray meets something first.
@@ -68,7 +70,7 @@ struct Intersection {
   double radius = 0.0;      ///< of its sphere
   bool on_disc = false;     ///< in clouds of discs: the next ones count in place of centre and radius
   SheetOrigin sheet{};
-  Color16 color{0};
+  Color16 color{0};  ///< on the cloud: display value
 
   /// For rays that leave from here. inward: they continue inside.
   RayOrigin leaving(bool inward) const {
@@ -127,6 +129,8 @@ class World {
  private:
   void smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const;
   Intersection nearest_object(const Ray& ray, const RayOrigin& ray_origin) const;
+  /// Whether there is one before t = reach.
+  bool any_object(const Ray& ray, const RayOrigin& ray_origin, double reach) const;
   /// The ray as the cloud is queried with it, for what it meets before t.
   Ray interval(const Ray& ray, double t) const;
   /// Put what these rays meet of the cloud into `met`, at these numbers, where it is nearer than the hit

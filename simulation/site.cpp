@@ -190,6 +190,15 @@ std::optional<SiteHit> Site::closest(const Ray& ray) const {
   return describe(*this, nearest, ray, local);
 }
 
+std::optional<Surfaces::Hit> Site::nearest(const Ray& ray) const {
+  const std::optional<SiteHit> met = closest(ray);
+  if (!met) return std::nullopt;
+  Hit hit{.t = met->t, .normal = met->normal};
+  for (int channel = 0; channel < 3; ++channel)
+    hit.color[channel] = static_cast<float>(linear_from_srgb(met->color[channel]));
+  return hit;
+}
+
 bool Site::occluded(const Ray& ray) const {
   const Ray local = to_local(ray, origin_);
   bool found = false;

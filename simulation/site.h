@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "base/ray.h"
+#include "base/surfaces.h"
 #include "simulation/finish.h"
 #include "simulation/shapes.h"
 
@@ -131,7 +131,7 @@ struct SiteHit {
 ///   const Site site = courtyard();
 ///   if (auto hit = site.closest(make_ray(site.origin() + glm::dvec3(0, 0, 1.7), {0, 1, 0}, 0.0)))
 ///   use(hit->t);
-class Site {
+class Site final : public Surfaces {
  public:
   /// `origin` is the world position of the objects' frame.
   Site(std::vector<SiteObject> objects, const glm::dvec3& origin);
@@ -141,10 +141,12 @@ class Site {
   std::optional<SiteHit> closest(const Ray& ray) const;
 
   /// Whether closest() would find a surface; stops at the first one found.
-  bool occluded(const Ray& ray) const;
+  bool occluded(const Ray& ray) const override;
+
+  std::optional<Hit> nearest(const Ray& ray) const override;
+  const Bounds& bounds() const override { return bounds_; }
 
   const glm::dvec3& origin() const { return origin_; }
-  const Bounds& bounds() const { return bounds_; }                     ///< world
   const std::vector<SiteObject>& objects() const { return objects_; }  ///< in their own frame
 
  private:

@@ -271,7 +271,7 @@ class Rendering {
     if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
     for (const renderer::Object& object : scene_.objects)
       if (const auto* model = std::get_if<renderer::Model>(&object))
-        metadata.further.emplace_back(model->mesh ? "alidade:mesh" : "alidade:site", model->surfaces->name());
+        metadata.further.emplace_back(model->mesh ? "alidade:mesh" : "alidade:site", model->name);
     if (!cloud_) return metadata;
     if (scene_.cloud->shape != renderer::PointShape::sphere)
       metadata.further.emplace_back("alidade:surface",

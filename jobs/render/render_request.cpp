@@ -12,7 +12,6 @@
 #include "base/words.h"
 #include "jobs/load_cloud.h"
 #include "jobs/mesh_files.h"
-#include "jobs/render/site_surfaces.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
 #include "renderer/scene_forms.h"
@@ -74,7 +73,7 @@ void take_site(RenderRequest& request) {
   if (!request.files.empty())
     throw input_error("--site does not apply to a cloud", "the site alone, or a scene file");
   renderer::Scene& scene = request.scene;
-  renderer::Model model{std::make_shared<SiteSurfaces>(simulation::courtyard(), "courtyard")};
+  renderer::Model model{std::make_shared<simulation::Site>(simulation::courtyard()), "courtyard"};
   if (scene.cloud) model.material = scene.cloud->material;
   if (std::holds_alternative<renderer::Dielectric>(model.material))
     throw file_error(request.scene_file, "--site does not support glass as the cloud's material");

@@ -16,9 +16,9 @@
 #include "jobs/load_cloud.h"
 #include "jobs/mesh_files.h"
 #include "jobs/outputs.h"
+#include "mesh/triangle_tree.h"
 #include "renderer/cloud_in_view.h"
 #include "renderer/integrator.h"
-#include "renderer/mesh_surfaces.h"
 
 namespace alidade::jobs {
 namespace {
@@ -99,8 +99,9 @@ void load_meshes(renderer::Scene& scene, Listener& listener) {
     if (model == nullptr || !model->mesh) continue;
     const renderer::MeshFile& source = *model->mesh;
     TriangleMesh mesh = load_mesh(source.file, source.placement, listener);
+    model->name = fmt::format("{} {:016x}", kept_name(source.file), checksum(mesh));
     model->surfaces = sort_triangles(listener, [&](const Progress& progress) {
-      return std::make_shared<renderer::MeshSurfaces>(std::move(mesh), kept_name(source.file), progress);
+      return std::make_shared<TriangleTree>(std::move(mesh), progress);
     });
   }
 }

@@ -262,6 +262,19 @@ TEST(TriangleTreeTest, a_ray_in_the_plane_of_a_gable_passes_by_beside_it) {
   }
 }
 
+TEST(TriangleMeshTest, other_corners_triangles_or_colours_have_another_checksum) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 3}, {4, 0, 3}, {4, 4, 3}, {0, 4, 3}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.triangle_colors = {Rgb(0.5f, 0.25f, 0.0f), Rgb(0.5f, 0.25f, 0.0f)};
+  EXPECT_EQ(checksum(mesh), checksum(TriangleMesh(mesh)));
+  TriangleMesh moved = mesh, turned = mesh, painted = mesh;
+  moved.vertices[3].x = 1.0;
+  turned.triangles[1] = {2, 3, 0};
+  painted.triangle_colors[1].b = 0.5f;
+  for (const TriangleMesh& other : {moved, turned, painted}) EXPECT_NE(checksum(mesh), checksum(other));
+}
+
 TEST(TriangleTreeTest, colours_of_vertices_are_blended_and_those_of_triangles_go_first) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};

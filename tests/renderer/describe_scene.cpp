@@ -44,7 +44,7 @@ std::string text(const Object& object) {
       return fmt::format("sphere {}{}{}", text(s.center), text(s.radius), text(s.material));
     }
     std::string operator()(const Model& m) const {
-      if (!m.mesh) return fmt::format("model {} {}", m.surfaces->name(), text(m.material));
+      if (!m.mesh) return fmt::format("model {} {}", m.name, text(m.material));
       const MeshPlacement& placement = m.mesh->placement;
       return fmt::format("mesh {} {}{}{}{}", m.mesh->file.string(), text(placement.scale),
                          text(placement.rotate_z), text(placement.translate), text(m.material));

@@ -12,7 +12,7 @@
 #include <limits>
 #include <memory>
 
-#include "renderer/mesh_surfaces.h"
+#include "mesh/triangle_tree.h"
 #include "tests/renderer/mixed_scene.h"
 
 namespace alidade {
@@ -185,7 +185,7 @@ TEST_P(DiscTraps, hostile_meshes_among_discs_are_errors_or_give_a_finite_image) 
     Model model;
     std::string problem;
     try {
-      model.surfaces = std::make_shared<MeshSurfaces>(read_mesh(folder / trap.name, {}), trap.name);
+      model.surfaces = std::make_shared<TriangleTree>(read_mesh(folder / trap.name, {}));
     } catch (const Error& error) {
       problem = error.what();
     }

@@ -224,9 +224,9 @@ TEST(Fidelity, of_the_truth_to_itself_is_perfect) {
 
 TEST(Model, is_met_where_the_site_is) {
   Scene scene = flat_yard();
-  scene.objects.emplace_back(Model{test::exact_courtyard()});
+  scene.objects.emplace_back(Model{test::exact_courtyard(), "courtyard"});
   const World world(scene, nullptr);
-  const simulation::Site& site = test::exact_courtyard()->site();
+  const simulation::Site& site = *test::exact_courtyard();
   for (int i = 0; i < 1000; ++i) {
     const double x = (i % 40 - 20) * 0.9, y = (i / 40 - 12) * 0.9;
     const Ray ray = make_ray(site.origin() + glm::dvec3(x, y, 40.0), {0.1, -0.05, -1.0}, 0.0);

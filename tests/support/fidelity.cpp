@@ -101,13 +101,13 @@ compare::ComparedImage displayed(const image::Film& film, double exposure) {
 
 }  // namespace
 
-const std::shared_ptr<const jobs::SiteSurfaces>& exact_courtyard() {
-  static const auto site = std::make_shared<const jobs::SiteSurfaces>(simulation::courtyard(), "courtyard");
+const std::shared_ptr<const simulation::Site>& exact_courtyard() {
+  static const auto site = std::make_shared<const simulation::Site>(simulation::courtyard());
   return site;
 }
 
 PointCloud courtyard_cloud(const ScanQuality& quality) {
-  const simulation::Site& site = exact_courtyard()->site();
+  const simulation::Site& site = *exact_courtyard();
   simulation::ScanOptions options = simulation::courtyard_scan(quality.points, 1);
   if (quality.noise > 0.0) options.terrestrial.range_noise = options.drone.range_noise = quality.noise;
   PointCloud cloud = simulation::scan_header(site);
@@ -128,7 +128,7 @@ PointCloud courtyard_cloud(const ScanQuality& quality) {
 }
 
 std::vector<FidelityView> fidelity_views(int width) {
-  const glm::dvec3 zero = exact_courtyard()->site().origin();
+  const glm::dvec3 zero = exact_courtyard()->origin();
   const auto view = [&](double fov, const glm::dvec3& eye, const glm::dvec3& target) {
     return camera::pinhole_from_fov(width, width * 2 / 3, fov, camera::look_at(zero + eye, zero + target));
   };
@@ -145,7 +145,7 @@ renderer::Scene courtyard_light() {
 }
 
 image::Film exact_image(renderer::Scene scene) {
-  scene.objects.emplace_back(renderer::Model{exact_courtyard()});
+  scene.objects.emplace_back(renderer::Model{exact_courtyard(), "courtyard"});
   return renderer::render(scene, nullptr, {.layers = k_layers});
 }
 

@@ -6,8 +6,8 @@
 
 #include "camera/camera.h"
 #include "image/film.h"
-#include "jobs/render/site_surfaces.h"
 #include "renderer/load_cloud.h"
+#include "simulation/site.h"
 
 // Measures how far images of a scan are from images of the site that was scanned: camera, integrator and
 // random numbers are equal, and only the answers to rays differ.
@@ -15,7 +15,7 @@
 namespace alidade::test {
 
 /// The courtyard, made once.
-const std::shared_ptr<const jobs::SiteSurfaces>& exact_courtyard();
+const std::shared_ptr<const simulation::Site>& exact_courtyard();
 
 struct ScanQuality {
   std::uint64_t points = 1'000'000;

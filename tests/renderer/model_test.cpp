@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/mesh_surfaces.h"
-
 #include <gtest/gtest.h>
 
 #include <memory>
 
+#include "mesh/triangle_tree.h"
 #include "renderer/world.h"
 #include "tests/renderer/tracer_scenes.h"
 
@@ -21,10 +20,10 @@ Model roof(const glm::dvec3& offset = glm::dvec3(0.0)) {
     mesh.vertices.push_back(offset + corner);
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.triangle_colors = {Rgb(0.5f, 0.25f, 0.0f), Rgb(0.5f, 0.25f, 0.0f)};
-  return {std::make_shared<MeshSurfaces>(std::move(mesh), "roof")};
+  return {std::make_shared<TriangleTree>(std::move(mesh)), "roof"};
 }
 
-TEST(MeshSurfaces, mesh_and_points_are_met_at_their_depths_and_shade_each_other) {
+TEST(Model, mesh_and_points_are_met_at_their_depths_and_shade_each_other) {
   // A point above the roof and one below it.
   const LoadedCloud cloud = test::loaded({{1, 1, 6}, {3, 2, 1}}, 0.5);
   Scene scene;
@@ -51,11 +50,6 @@ TEST(MeshSurfaces, mesh_and_points_are_met_at_their_depths_and_shade_each_other)
   EXPECT_TRUE(is_shaded({1, 1, 3}, on_mesh));
   EXPECT_FALSE(is_shaded({3, 2, 3}, on_mesh));
   EXPECT_FALSE(is_shaded({5, 2, 1.6}, {}));
-}
-
-TEST(MeshSurfaces, other_triangles_or_colours_have_another_name) {
-  EXPECT_EQ(roof().surfaces->name(), roof().surfaces->name());
-  EXPECT_NE(roof().surfaces->name(), roof({1, 0, 0}).surfaces->name());
 }
 
 }  // namespace
