@@ -150,7 +150,8 @@ struct RaysInLeaf {
 
   static constexpr std::size_t k_most_lanes = 16;
 
-  RaysInLeaf(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::size_t rows,
+  template <class Batch>
+  RaysInLeaf(const Batch& batch, const std::uint32_t* rays, const float* t_near, std::size_t rows,
              const double* corner) {
     alignas(64) float from[k_most_lanes][4], direction[k_most_lanes][4], limits[k_most_lanes][4];
     relative_to(batch[rays[0]], t_near[0], corner, from[0], direction[0], limits[0]);
@@ -325,6 +326,23 @@ class LeafGroupTest {
   alignas(64) float points_[3][k_max_leaf_size];
   alignas(64) float outer_sq_[k_max_leaf_size], inner_sq_[k_max_leaf_size];  ///< of own_radii
 };
+
+/// Tests the first `count` points of a leaf against the rays of a list, which is padded. `tests` changes when
+/// rays may have found nearer points.
+template <class Points, bool any, class Batch>
+void test_leaf(const QuerySetup& setup, const LeafTest<Points, any>& single, const Leaf& leaf,
+               std::uint32_t count, const typename LeafTest<Points, any>::LeafFrame& frame,
+               const Batch& batch, const RayList& list, std::uint64_t& tests) {
+  constexpr std::uint32_t k_min_rays = 3;  // fewer are tested one by one
+  if (list.count >= k_min_rays && !single.all_in_double()) {
+    typename Points::template GroupTest<any> group_test(setup, single, leaf, count, frame);
+    group_test.visit(batch, list, tests);
+    return;
+  }
+  for (std::uint32_t i = 0; i < list.count; ++i)
+    single.visit(batch[list.rays[i]], leaf, count, frame, list.t_near[i]);
+  ++tests;
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd

@@ -41,9 +41,7 @@ class RayStream {
   }
 
  private:
-  // Fewer rays than these continue alone.
-  static constexpr std::uint32_t k_min_rays_at_node = 4;
-  static constexpr std::uint32_t k_min_rays_at_leaf = 3;
+  static constexpr std::uint32_t k_min_rays_at_node = 4;  ///< fewer continue alone
 
   /// Memory for k_node_width lists of rays: those that meet each slot of a node.
   struct Lists {
@@ -126,7 +124,8 @@ class RayStream {
       if (rays.count == 0) continue;
       if ((slots.leaf >> slot & 1u) != 0) {
         const Leaf leaf = slots.leaf_in(node, frame, slot);
-        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_frame, rays);
+        test_leaf(setup_, traversed_.leaf_test, leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count,
+                  leaf_frame, batch_, rays, tests_);
       } else {
         visit_node(slots.child_in(node, frame, slot), rays);
       }
@@ -135,18 +134,6 @@ class RayStream {
 
   void trace_each(const Frame& frame, const RayList& list) {
     for (std::uint32_t i = 0; i < list.count; ++i) trace(traversed_, batch_[list.rays[i]], frame);
-    ++tests_;
-  }
-
-  void test_leaf(const Leaf& leaf, std::uint32_t count,
-                 const typename LeafTest<Points, any>::LeafFrame& frame, const RayList& list) {
-    if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
-      typename Points::template GroupTest<any> group_test(setup_, traversed_.leaf_test, leaf, count, frame);
-      group_test.visit(batch_, list, tests_);
-      return;
-    }
-    for (std::uint32_t i = 0; i < list.count; ++i)
-      traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, frame, list.t_near[i]);
     ++tests_;
   }
 
