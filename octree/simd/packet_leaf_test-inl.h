@@ -36,10 +36,10 @@ class PacketLeafTest {
         widening_(Points::own_radii ? 0.0f : float_below(setup.query.radius)) {}
 
   /// For the rays that are loaded.
-  void start(std::size_t count) {
+  void start(std::span<const Ray>, std::span<const std::uint32_t>, std::size_t) {
     const RayLanes d;
     const auto none = hn::Set(d, k_none);
-    for (std::size_t lane = 0; lane < count; lane += hn::Lanes(d)) {
+    for (std::size_t lane = 0; lane < rays_.count; lane += hn::Lanes(d)) {
       hn::Store(hn::Zero(d), d, base_ + lane);
       hn::Store(none, d, low_ + lane);
       hn::Store(none, d, second_ + lane);

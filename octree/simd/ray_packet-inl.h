@@ -31,11 +31,12 @@ namespace HWY_NAMESPACE {
 /// with vectors of rays. Where only a few rays are left, their boxes are in lanes.
 ///
 /// Nothing of a ray is in memory but one column of the packet, in which the leaves leave their results
-/// (PacketLeafTest). Rays that these do not decide are traced alone.
+/// (PacketLeafTest; for discs DiscPacketTest). Rays that these do not decide are traced alone.
 template <class Points, bool any>
 class RayPacket {
  public:
   static constexpr std::size_t k_size = PacketRays::k_size;
+  using LeafTester = typename Points::template PacketTest<any>;
 
   explicit RayPacket(const Traversed<Points, any>& traversed)
       : traversed_(traversed),
@@ -44,10 +45,12 @@ class RayPacket {
         stack_(std::make_unique_for_overwrite<Waiting[]>(
             static_cast<std::size_t>(traversed.setup.tree.level_count * (k_node_width - 1) + 1))) {}
 
-  /// Traces the rays with these numbers, at most k_size, all of this octant.
-  void run(std::span<const Ray> rays, std::span<const std::uint32_t> numbers, unsigned octant) {
+  /// Traces the rays with these numbers, at most k_size, all of this octant. first_index: query_index of
+  /// rays[0].
+  void run(std::span<const Ray> rays, std::span<const std::uint32_t> numbers, unsigned octant,
+           std::size_t first_index) {
     rays_.load(rays, numbers, octant, setup_);
-    leaf_test_.start(rays_.count);
+    leaf_test_.start(rays, numbers, first_index);
     octant_ = octant;
     stack_count_ = 0;
     for (std::size_t lane = 0; lane < k_size; lane += k_lanes)
@@ -62,7 +65,7 @@ class RayPacket {
   }
 
   const PacketRays& rays() const { return rays_; }
-  const PacketLeafTest<Points, any>& results() const { return leaf_test_; }
+  const LeafTester& results() const { return leaf_test_; }
 
   /// Nodes visited, and the rays that met them, since the start.
   std::uint64_t nodes() const { return nodes_; }
@@ -336,7 +339,7 @@ class RayPacket {
   const Traversed<Points, any>& traversed_;
   const QuerySetup& setup_;
   PacketRays rays_;
-  PacketLeafTest<Points, any> leaf_test_;
+  LeafTester leaf_test_;
   unsigned octant_ = 0;
   // Of the node that is visited: its rays.
   unsigned groups_ = 0;  ///< bit per vector of rays: one of them is active

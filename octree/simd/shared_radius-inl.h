@@ -21,6 +21,8 @@ namespace HWY_NAMESPACE {
 
 template <class Points, bool any>
 class LeafGroupTest;
+template <class Points, bool any>
+class PacketLeafTest;
 
 // What points are to rays is a template parameter of the traversal, Points: here spheres of one radius, in
 // surface/simd/own_points-inl.h spheres of the points' own radii, and discs.
@@ -43,6 +45,9 @@ class SharedRadius {
   /// What tests the points of a leaf against many rays.
   template <bool any>
   using GroupTest = LeafGroupTest<SharedRadius, any>;
+  /// And against the rays of a packet.
+  template <bool any>
+  using PacketTest = PacketLeafTest<SharedRadius, any>;
 
   SharedRadius(const TreeView& tree, const RayQuery& query) : tree_(tree), query_(query) {}
 

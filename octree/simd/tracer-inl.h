@@ -172,7 +172,7 @@ class Tracer {
     if constexpr (any)
       if (!setup_.query.filter.of_point) numbers = not_behind_scouts(answers);
     constexpr std::size_t k_least_lanes = 4;
-    if constexpr (!Points::are_discs && hn::MaxLanes(RayLanes()) >= k_least_lanes) {
+    if constexpr (hn::MaxLanes(RayLanes()) >= k_least_lanes) {
       if (!leaf_test_.all_in_double() && go_alike()) {
         answer_in_packets(numbers, answers);
         return;
@@ -286,12 +286,11 @@ class Tracer {
 
   void answer_packet(RayPacket<Points, any>& packet, std::span<const std::uint32_t> numbers, unsigned octant,
                      std::span<Answer> answers) const {
-    packet.run(rays_, numbers, octant);
+    packet.run(rays_, numbers, octant, first_index_);
     const auto& results = packet.results();
-    const std::uint64_t found = results.found(), unclear = results.unclear();
     PacketHits hits;
-    if constexpr (!any) {
-      for (std::uint64_t rest = found; rest != 0; rest &= rest - 1) {
+    if constexpr (!any && !Points::are_discs) {
+      for (std::uint64_t rest = results.found(); rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
         hits.add(points_, setup_.tree, lane, results.leaf_of(lane), results.point_of(lane));
       }
@@ -299,9 +298,11 @@ class Tracer {
     }
     for (std::size_t lane = 0; lane < numbers.size(); ++lane) {
       const std::uint32_t number = numbers[lane];
-      if ((unclear >> lane & 1) != 0) {
+      if ((results.unclear() >> lane & 1) != 0) {
         answers[number] = answer(std::size_t{number});
-      } else if ((found >> lane & 1) == 0) {
+      } else if constexpr (Points::are_discs) {
+        answers[number] = answer(results.ray(lane));
+      } else if ((results.found() >> lane & 1) == 0) {
         answers[number] = Answer();
       } else if constexpr (any) {
         answers[number] = 1;

@@ -40,7 +40,9 @@ class DiscGroupTest {
     }
   }
 
-  void visit(const RayBatch& batch, const RayList& list, std::uint64_t& tests) {
+  /// Batch: RayBatch or PacketBatch.
+  template <class Batch>
+  void visit(const Batch& batch, const RayList& list, std::uint64_t& tests) {
     for (std::uint32_t i = 0; i < list.count; i += static_cast<std::uint32_t>(hn::Lanes(RayLanes())))
       visit_group(batch, list.rays + i, list.t_near + i, list.count - i, tests);
   }
@@ -48,7 +50,8 @@ class DiscGroupTest {
  private:
   static constexpr std::size_t k_most_lanes = RaysInLeaf::k_most_lanes;
 
-  void visit_group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::uint32_t left,
+  template <class Batch>
+  void visit_group(const Batch& batch, const std::uint32_t* rays, const float* t_near, std::uint32_t left,
                    std::uint64_t& tests) {
     const RayLanes d;
     const std::size_t rows = std::min<std::size_t>(hn::Lanes(d), left);
@@ -165,7 +168,8 @@ class DiscGroupTest {
     }
   }
 
-  RaysAtDiscs rays_at_discs(const RayBatch& batch, const std::uint32_t* rays, const float* t_near,
+  template <class Batch>
+  RaysAtDiscs rays_at_discs(const Batch& batch, const std::uint32_t* rays, const float* t_near,
                             std::size_t rows, const RaysInLeaf& group) const {
     RaysAtDiscs at_discs;
     at_discs.along[0] = group.direction_x;

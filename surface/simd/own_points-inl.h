@@ -95,6 +95,8 @@ class OwnRadius : public OwnPoints<order> {
   static constexpr bool are_discs = false;
   template <bool any>
   using GroupTest = LeafGroupTest<OwnRadius, any>;
+  template <bool any>
+  using PacketTest = PacketLeafTest<OwnRadius, any>;
 
   using OwnPoints<order>::OwnPoints;
 
@@ -111,6 +113,8 @@ class OwnRadius : public OwnPoints<order> {
 
 template <bool any>
 class DiscGroupTest;
+template <bool any>
+class DiscPacketTest;
 
 /// Discs.
 class Discs : public OwnPoints<Measure::t> {
@@ -118,6 +122,8 @@ class Discs : public OwnPoints<Measure::t> {
   static constexpr bool are_discs = true;
   template <bool any>
   using GroupTest = DiscGroupTest<any>;
+  template <bool any>
+  using PacketTest = DiscPacketTest<any>;
 
   Discs(const SurfaceView& view, const SurfaceQuery& query)
       : OwnPoints(view, query),

@@ -9,7 +9,7 @@
 
 #include "octree/simd/choose_table.h"
 #include "octree/simd/tracer-inl.h"
-#include "surface/simd/disc_group_test-inl.h"
+#include "surface/simd/disc_packet_test-inl.h"
 #include "surface/simd/own_points-inl.h"
 
 HWY_BEFORE_NAMESPACE();
