@@ -236,6 +236,77 @@ TEST_P(CrossingVsBruteForce, the_sheet_that_a_ray_begins_on_is_not_met) {
   EXPECT_GT(left, 300u);
 }
 
+/// Rays that go through the tree in packets: side by side, and in nearly one direction, but for a few.
+TEST(Crossing, rays_that_go_alike_have_the_same_bits_on_every_family) {
+  std::size_t hit_count = 0, miss_count = 0;
+  for (const DiscCase& disc_case : disc_cases()) {
+    if (disc_case.cloud.size() == 0) continue;
+    std::vector<SurfaceCloud> clouds;
+    for (const InstructionSet set : available_instruction_sets()) {
+      clouds.push_back(discs_of(disc_case, set));
+      if (!disc_case.fitted) continue;
+      const Octree octree = build(disc_case.cloud, {.instruction_set = set});
+      clouds.push_back(SurfaceCloud::of_discs(with_spacings(octree, k_surface_neighbours)));
+    }
+    const SurfaceCloud& discs = clouds.front();
+    const Bounds bounds = disc_case.cloud.bounds();
+    const double size = glm::length(bounds.size()) + 1e-3;
+    Random random(disc_case.name + "_crossing_alike");
+    for (int turn = 0; turn < 8; ++turn) {
+      const double radius = std::max(2.0 * automatic_radius(discs.octree()), 1e-3) * std::pow(8.0, turn % 3);
+      SurfaceQuery query = disc_query({.radius = radius}, random);
+      const auto target = [&] { return disc_case.cloud.world(random.below(disc_case.cloud.size())); };
+      const glm::dvec3 along = unit_direction(target() + 1e-3 * random.in_cube() - bounds.center());
+      const glm::dvec3 middle = turn % 2 == 0 ? target() : bounds.center();
+      const bool leave_sheets = turn % 4 == 2;
+      if (turn % 4 == 1) query.entry_min = random.between(0.0, 0.5) * size;
+      if (turn == 7)
+        query.filter.of_point = [](const Candidate& candidate) { return candidate.point_id % 3 != 0; };
+      std::vector<Ray> rays;
+      std::vector<SheetOrigin> begins;
+      for (int i = 0; i < 100; ++i) {
+        // From an eye, from beside one another outside, or from among the points.
+        const glm::dvec3 beside = turn % 4 == 0 ? glm::dvec3(0.0) : 0.005 * size * random.in_cube();
+        const glm::dvec3 direction =
+            random.below(50) == 0 ? random.in_cube() : along + 0.01 * random.in_cube();
+        glm::dvec3 origin = middle + beside - (leave_sheets ? 0.0 : 0.8 * size) * along;
+        if (random.below(50) == 0) origin = target() - 1e4 * size * direction;
+        const double t_min = random.below(4) == 0 ? size * random.between(-1.0, 1.0) : 0.0;
+        double t_max = std::numeric_limits<double>::infinity();
+        if (random.below(4) == 0) t_max = size * random.between(-0.2, 2.0);
+        rays.push_back(make_ray(origin, direction, t_min, t_max));
+        if (leave_sheets)
+          begins.push_back(i % 5 == 0 ? SheetOrigin{}
+                                      : sheet_at(origin, by_brute_force(disc_case, discs, rays.back(), query),
+                                                 disc_case, discs, query, random));
+      }
+      query.discs->begins = begins;
+      std::vector<std::optional<Hit>> expected;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        SurfaceQuery alone = query;
+        if (leave_sheets) alone.discs->begins = std::span(begins).subspan(i, 1);
+        expected.push_back(by_brute_force(disc_case, discs, rays[i], alone));
+        ++(expected.back() ? hit_count : miss_count);
+      }
+      for (const SurfaceCloud& cloud : clouds) {
+        SCOPED_TRACE(disc_case.name + " turn " + std::to_string(turn));
+        std::vector<std::optional<SurfaceHit>> hits(rays.size());
+        std::vector<std::uint8_t> blocked(rays.size());
+        closest(cloud, rays, query, hits);
+        occluded(cloud, rays, query, blocked);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+          SCOPED_TRACE(i);
+          ASSERT_TRUE(same_hits(hits[i], expected[i]));
+          ASSERT_TRUE(test::has_right_index(cloud, hits[i]));
+          ASSERT_EQ(blocked[i] != 0, expected[i].has_value());
+        }
+      }
+    }
+  }
+  EXPECT_GT(hit_count, 5000u);
+  EXPECT_GT(miss_count, 5000u);
+}
+
 INSTANTIATE_TEST_SUITE_P(, CrossingVsBruteForce, ::testing::ValuesIn(available_instruction_sets()),
                          [](const auto& set) { return std::string(name(set.param)); });
 
