@@ -138,7 +138,7 @@ struct PacketRays {
     }
     const V world_min = hn::Load(d, t_min + lane), world_max = hn::Load(d, t_max + lane);
     const V entry_min = hn::Set(d, setup.query.entry_min);
-    const V first = hn::Max(enter, hn::Sub(hn::Max(world_min, entry_min), hn::Set(d, setup.site_radius)));
+    const V first = hn::Max(enter, hn::Sub(hn::Max(world_min, entry_min), hn::Set(d, setup.before_limits())));
     const auto is_ray = hn::FirstN(d, count > lane ? count - lane : 0);
     auto is_far = hn::And(is_ray, hn::Gt(way, hn::Set(d, setup.longest_way)));
     auto comes_near = hn::And(hn::AndNot(is_far, is_ray), hn::Le(first, leave));

@@ -86,7 +86,8 @@ struct QueryConditions {
   double entry_min;
   int max_level;
   const CandidateFilter& filter;
-  bool own_radii;  ///< points have radii of their own
+  bool own_radii;   ///< points have radii of their own
+  Measure measure;  ///< by which answers are ordered
 };
 
 /// What a traversal needs of tree and query, the same for all rays of a batch.
@@ -157,6 +158,10 @@ struct QuerySetup {
     if (query.own_radii) return within ? site_margin : box_margin;
     return within ? site_radius : box_radius;
   }
+
+  /// How far before its limits a ray is still to meet boxes. Ordered by t, a point counts where the ray is
+  /// inside its box and not before the limits; else its entry, which is the measure, may be before.
+  double before_limits() const { return query.measure == Measure::t ? site_margin : site_radius; }
 
   /// Exceeds by how much lanes are wrong about t and distance of points in leaves below a frame of this
   /// level.

@@ -52,7 +52,7 @@ class SharedRadius {
   SharedRadius(const TreeView& tree, const RayQuery& query) : tree_(tree), query_(query) {}
 
   QueryConditions conditions() const {
-    return {query_.radius, query_.entry_min, query_.max_level, query_.filter, own_radii};
+    return {query_.radius, query_.entry_min, query_.max_level, query_.filter, own_radii, measure};
   }
   /// Of the point at a storage index.
   double radius_at(std::uint32_t) const { return query_.radius; }

@@ -63,7 +63,7 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const ActiveRay& active) {
   if (way[0] + way[1] + way[2] > setup.longest_way) return Course::far_away;
   const double first = std::max(ray.t_min, setup.query.entry_min);
   const double begin =
-      std::max(std::max(enters[0], enters[1]), std::max(enters[2], first - setup.site_radius));
+      std::max(std::max(enters[0], enters[1]), std::max(enters[2], first - setup.before_limits()));
   if (!(begin <= std::min(std::min(leaves[0], leaves[1]), leaves[2]))) return Course::misses;
   if (setup.has_site) {
     for (int axis = 0; axis < 3; ++axis) {

@@ -69,7 +69,7 @@ class OwnPoints {
       : view_(view), query_(query), radii_(view, query) {}
 
   QueryConditions conditions() const {
-    return {query_.radius, query_.entry_min, k_all_levels, query_.filter, own_radii};
+    return {query_.radius, query_.entry_min, k_all_levels, query_.filter, own_radii, measure};
   }
   const SurfaceQuery& query() const { return query_; }
   double radius_at(std::uint32_t index) const { return own_radius(query_, spacing_at(view_.layers, index)); }
