@@ -2,6 +2,7 @@
 #include "base/huge_memory.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <algorithm>
 #include <cstdint>
@@ -114,6 +115,13 @@ void* take_pages(std::size_t byte_count, const std::filesystem::path& folder) {
 void give_back_pages(void* pages, std::size_t byte_count) noexcept {
   if (byte_count < k_huge_page) return ::operator delete(pages, k_small_alignment);
   munmap(pages, whole_pages(byte_count));
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 128 << 20);
+#endif
 }
 
 void request_huge_pages(void* memory, std::size_t byte_count) noexcept {

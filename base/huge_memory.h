@@ -34,6 +34,11 @@ void give_back_pages(void* pages, std::size_t byte_count) noexcept;
 /// Requests huge pages for memory of another origin, before it is first used.
 void request_huge_pages(void* memory, std::size_t byte_count) noexcept;
 
+/// Lets malloc keep what is freed, up to some 128 MB per thread, for what is taken next. For a program as a
+/// whole to decide: pictures are traced in waves that take the same megabytes again and again, and without
+/// this each wave gets its pages from the system, which clears them: up to a third of the time.
+void keep_freed_memory();
+
 /// Where large arrays lie: in memory, or in scratch files in a folder.
 using ScratchFolder = std::optional<std::filesystem::path>;
 

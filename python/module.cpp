@@ -2,6 +2,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "base/shown_text.h"
 #include "cloud/crs.h"
 #include "geo/crs_library.h"
@@ -55,6 +56,7 @@ PYBIND11_MODULE(_alidade, module) {
   module.doc() = alidade::python::k_module_doc;
   module.attr("__version__") = ALIDADE_VERSION;
   add_errors(module);
+  alidade::keep_freed_memory();
   alidade::jobs::set_remote_user({.is_interrupted = &alidade::python::is_interrupted});
   alidade::use_crs_library(
       {.compare =

@@ -113,7 +113,8 @@ void check_camera_position(const camera::Camera& camera, const Scene& scene, con
 ///
 /// Memory beside scene and cloud: 28 bytes per pixel, 52 with the sums for noise, then 16 for colour and
 /// alpha and 12 for the variance, which replace the sums; image/film.h gives those of each further layer; and
-/// a few megabytes per thread.
+/// some 25 MB per thread. Where malloc gives freed memory back to the system at once, pictures take up to a
+/// third longer: programs call keep_freed_memory() (base/huge_memory.h) before.
 ///
 /// Errors: no camera; a model without surfaces; a number outside its range; a part with a time limit or a
 /// target, on which pixels of other parts depend; of checkpoints: damage, another image, a failed write.

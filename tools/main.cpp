@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include <malloc.h>
-
 #include <new>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "tools/command.h"
 #include "tools/console.h"
 
 int main(int argument_count, char** arguments) {
   using namespace alidade;
   using namespace alidade::tools;
-  // Batches of rays take the same megabytes again and again: without this, each would get its pages from the
-  // system and clear them, a third of the time of some pictures.
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 128 << 20);
+  keep_freed_memory();
   catch_interrupts();
   ExitCode code = ExitCode::failed;
   try {
