@@ -90,14 +90,15 @@ class ImageRenderer {
       due.push_back(tile);
     }
     if (due.empty()) return;
-    // With few samples each, several tiles make a batch.
-    constexpr std::size_t k_tile_pixels = 256;
+    // With few samples each, several tiles make a batch; but every thread is to have several.
+    constexpr std::size_t k_tile_pixels = 256, k_batches_of_thread = 4;
     const std::size_t step = static_cast<std::uint32_t>(state_.pass_end) - fewest;
-    for_each_group(due, std::max<std::size_t>(1, k_most_paths / (k_tile_pixels * step)),
-                   [this](std::span<const std::size_t> group) {
-                     fill(group);
-                     sample(group);
-                   });
+    const std::size_t most =
+        std::min(k_most_paths / (k_tile_pixels * step), due.size() / (k_batches_of_thread * thread_count()));
+    for_each_group(due, std::max<std::size_t>(1, most), [this](std::span<const std::size_t> group) {
+      fill(group);
+      sample(group);
+    });
   }
 
   template <class Work>
@@ -147,7 +148,9 @@ class ImageRenderer {
 
   void fill(std::span<const std::size_t> tiles) {
     for (const std::size_t tile : tiles) {
-      if (filled_[tile] == 0) fill_center_layers(task_.projection, task_.world, state_.grid.box(tile), film_);
+      if (filled_[tile] != 0) continue;
+      watch_.look();
+      fill_center_layers(task_.projection, task_.world, state_.grid.box(tile), film_);
       filled_[tile] = 1;
     }
   }
@@ -193,6 +196,15 @@ std::uint64_t RenderWatch::expected_total() const {
   const double in_time = static_cast<double>(done) * (limit / spent);
   return in_time < static_cast<double>(expected) ? std::max(done, static_cast<std::uint64_t>(in_time))
                                                  : expected;
+}
+
+void RenderWatch::look() {
+  if (stopped_) throw Cancelled();
+  const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+  // Most reports come with samples: this is for long waves.
+  constexpr auto k_silence = std::chrono::milliseconds(200);
+  const Clock::time_point now = Clock::now();
+  if (lock && now >= next_report_ + k_silence) report_progress(now);
 }
 
 void RenderWatch::added(std::uint64_t samples) {

@@ -25,6 +25,9 @@ class RenderWatch {
   /// To be held while samples are added to the state.
   std::shared_lock<std::shared_mutex> adding() { return std::shared_lock(gate_); }
 
+  /// Reports progress if none was reported for a while. Throws Cancelled as added() does.
+  void look();
+
   /// So many camera samples have been added. Throws Cancelled in every thread once the render is to stop.
   void added(std::uint64_t samples);
 

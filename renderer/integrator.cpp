@@ -162,13 +162,14 @@ class PathTracer {
   PathTracer(const World& world, const Lights& lights, int max_bounces, std::span<PathResult> results)
       : world_(world), lights_(lights), max_bounces_(max_bounces), results_(results) {}
 
-  void trace(std::span<const CameraPath> starts) {
+  void trace(std::span<const CameraPath> starts, const std::function<void()>& look) {
     for (std::size_t path = 0; path < starts.size(); ++path) {
       results_[path] = {};
       ways_.emplace_back(starts[path].sampler);
       go_on(path, starts[path].ray, {});
     }
     for (int bounce = 0; !next_.paths.empty(); ++bounce) {
+      if (look) look();
       std::swap(now_, next_);
       next_.clear();
       met_.assign(now_.paths.size(), std::nullopt);
@@ -335,8 +336,8 @@ Shown shown(const Surface& surface) {
 }  // namespace
 
 void trace_paths(const World& world, const Lights& lights, std::span<const CameraPath> paths, int max_bounces,
-                 std::span<PathResult> results) {
-  PathTracer(world, lights, max_bounces, results).trace(paths);
+                 std::span<PathResult> results, const std::function<void()>& look) {
+  PathTracer(world, lights, max_bounces, results).trace(paths, look);
 }
 
 double ambient_occlusion_distance(const RenderSettings& settings, const LoadedCloud* cloud) {
@@ -404,10 +405,11 @@ void trace_flat(const World& world, std::span<const CameraPath> paths, std::span
 }
 
 void trace_samples(const World& world, const Lights& lights, const RenderSettings& settings,
-                   double ao_distance, std::span<const CameraPath> paths, std::span<PathResult> results) {
+                   double ao_distance, std::span<const CameraPath> paths, std::span<PathResult> results,
+                   const std::function<void()>& look) {
   switch (settings.mode) {
     case RenderMode::path:
-      return trace_paths(world, lights, paths, settings.max_bounces, results);
+      return trace_paths(world, lights, paths, settings.max_bounces, results, look);
     case RenderMode::ambient_occlusion:
       return trace_ambient_occlusion(world, lights.sky(), ao_distance, paths, results);
     case RenderMode::headlight:

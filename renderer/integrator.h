@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "renderer/light.h"
@@ -41,10 +42,10 @@ constexpr double k_diffuse_roughness = 0.5;
 /// Light Transport, 2013.
 ///
 /// Paths do not depend on one another. They advance together, surface by surface, since rays in batches are
-/// answered several times faster: a few thousand paths of neighbouring pixels are best. results: as many as
-/// paths.
+/// answered several times faster: thousands of paths of neighbouring pixels are best. results: as many as
+/// paths. `look`, if there is one, is called before each advance; what it throws ends the work.
 void trace_paths(const World& world, const Lights& lights, std::span<const CameraPath> paths, int max_bounces,
-                 std::span<PathResult> results);
+                 std::span<PathResult> results, const std::function<void()>& look = {});
 
 // Images without lights: one ray from the camera to the first surface, and for ambient occlusion one more.
 // They show a cloud's shape and colours at once, with little noise. An emissive surface shows its radiance in
@@ -71,8 +72,9 @@ void trace_headlight(const World& world, const Sky& sky, std::span<const CameraP
 void trace_flat(const World& world, std::span<const CameraPath> paths, std::span<PathResult> results);
 
 /// What the camera paths bring back in the mode of the settings. results: as many as paths.
-/// `ao_distance`: see ambient_occlusion_distance().
+/// `ao_distance`: see ambient_occlusion_distance(); `look`: see trace_paths(), in other modes not called.
 void trace_samples(const World& world, const Lights& lights, const RenderSettings& settings,
-                   double ao_distance, std::span<const CameraPath> paths, std::span<PathResult> results);
+                   double ao_distance, std::span<const CameraPath> paths, std::span<PathResult> results,
+                   const std::function<void()>& look = {});
 
 }  // namespace alidade::renderer

@@ -97,12 +97,6 @@ RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const R
   const camera::Projection projection(camera);
   const World world(scene, cloud);
   const Lights lights(scene);
-  const RenderTask task{projection,
-                        scene.render,
-                        world,
-                        lights,
-                        ambient_occlusion_distance(scene.render, cloud),
-                        scene.output.transparent || scene.output.background};
   const double floor = noise_floor(scene.output.exposure);
 
   RenderedState rendered{{camera.width, camera.height, keeps_noise(options), options.part}, {}};
@@ -118,6 +112,13 @@ RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const R
   }
   image::Film& film = rendered.film = image::Film(camera.width, camera.height, center_layers(options));
   RenderWatch watch(options, state, scene.render.samples, std::move(fingerprint));
+  const RenderTask task{projection,
+                        scene.render,
+                        world,
+                        lights,
+                        ambient_occlusion_distance(scene.render, cloud),
+                        scene.output.transparent || scene.output.background,
+                        [&watch] { watch.look(); }};
   try {
     render_image(task, options, floor, state, watch, film);
     watch.finish();

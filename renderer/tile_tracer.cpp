@@ -97,7 +97,7 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
     }
   }
   std::vector<PathResult> traced(paths.size());
-  trace_samples(task.world, task.lights, task.settings, task.ao_distance, paths, traced);
+  trace_samples(task.world, task.lights, task.settings, task.ao_distance, paths, traced, task.look);
   if (traced.size() == count) return traced;
   std::vector<PathResult> results(count);
   for (std::size_t i = 0; i < traced.size(); ++i) results[numbers[i]] = traced[i];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -67,9 +68,11 @@ struct RenderTask {
   const Lights& lights;
   double ao_distance;
   bool hides_sky;  ///< from the camera: OutputSettings::transparent, background
+  /// Called by every thread between the steps of its paths; what it throws ends the work. Empty: never.
+  std::function<void()> look{};
 };
 
-/// Paths traced together: more share more of the cloud and take more memory, about 1 kB each.
+/// Paths traced together: more share more of the cloud and take more memory, up to 1.5 kB each.
 inline constexpr std::size_t k_most_paths = 16384;
 
 /// The samples first .. last - 1 of every pixel of a box.

@@ -52,9 +52,9 @@ class CheckpointTest : public ::testing::Test {
     return options;
   }
 
-  /// Renders until so many reports have come, and leaves a checkpoint.
+  /// Renders until so many reports of samples have come, and leaves a checkpoint.
   void render_in_part(const Scene& scene, const LoadedCloud* cloud, RenderOptions options, int reports) {
-    options.progress = [&](std::uint64_t, std::uint64_t) { return reports-- > 0; };
+    options.progress = [&](std::uint64_t done, std::uint64_t) { return done == 0 || reports-- > 0; };
     EXPECT_THROW(render(scene, cloud, options), Cancelled);
     ASSERT_TRUE(std::filesystem::exists(file_));
   }
