@@ -170,9 +170,15 @@ void DiscCloud::blend(std::span<const Ray> rays, std::span<const Blended> blende
   const glm::dvec3 middle = blended.size() == 1 ? bounds.min : bounds.center();
   double reach = 0.0;
   for (const Blended& hit : blended) reach = std::max(reach, distance(middle, met(hit)));
-  // Distances round: what holds a hit must be among what is near all.
+  // Distances are rounded; a sphere that holds a hit must still be found.
   if (reach > 0.0) reach += 0x1p-40 * (reach + query_.radius);
   find_neighbours(middle, reach, room);
+  // Beside a denser part of the cloud much more can be near all of the hits than holds any of them.
+  constexpr std::size_t k_most_shared = 64;
+  if (blended.size() > 1 && room.discs.size() > k_most_shared) {
+    for (std::size_t i = 0; i < blended.size(); ++i) blend(rays, blended.subspan(i, 1), hits, room);
+    return;
+  }
   for (const Blended& each : blended) {
     const Ray& ray = rays[each.number];
     DiscHit& hit = *hits[each.number];

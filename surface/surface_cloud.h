@@ -149,7 +149,8 @@ struct PointSphere {
 /// Appends the spheres that come within `reach` metres of a position, their surfaces included: distance <=
 /// radius + reach, for the radii that the query gives the points, of discs, too. With a reach of 0 these are
 /// the spheres that hold the position. In the order of the storage indices. Requires a checked query with a
-/// finite radius, a finite position and a finite reach of at least 0. Cost: some hundred nanoseconds.
+/// finite radius, a finite position and a finite reach of at least 0. Cost: some hundred nanoseconds, and as
+/// much for every ten spheres.
 void find_spheres(const SurfaceCloud& cloud, const glm::dvec3& position, double reach,
                   const SurfaceQuery& query, std::vector<PointSphere>& spheres);
 

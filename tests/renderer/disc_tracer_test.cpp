@@ -110,6 +110,40 @@ TEST(DiscCloud, a_blended_crossing_is_that_of_its_definition) {
   expect_first_crossings(AdaptedRadius{.factor = 2.0}, 200, true);
 }
 
+TEST(DiscCloud, hits_of_many_rays_on_one_disc_are_those_of_each_ray_alone) {
+  Random random;
+  std::vector<glm::dvec3> points = corner_points(random, 400);
+  // A patch so dense that discs beside it are near hundreds of discs that do not hold their hits.
+  for (int i = 0; i < 2000; ++i)
+    points.emplace_back(2.0 + 0.1 * random.unit(), 2.0 + 0.1 * random.unit(), 0.0005 * random.in_cube().z);
+  const LoadedCloud cloud = disc_cloud(points, random, AdaptedRadius{.factor = 1.5, .max = 1.0});
+  const DiscCloud discs(cloud, true);
+  std::vector<Ray> rays;
+  for (int bundle = 0; bundle < 60; ++bundle) {
+    const glm::dvec3 eye = glm::dvec3(2, 1, 3) + random.in_cube();
+    const glm::dvec3 target =
+        bundle % 2 == 0 ? glm::dvec3(2.05, 2.05, 0.0) + 0.3 * random.in_cube() : points[random.below(800)];
+    for (int i = 0; i < 30; ++i) rays.push_back(make_ray(eye, target + 0.1 * random.in_cube() - eye, 0.0));
+  }
+  const std::vector<SheetOrigin> origins(rays.size());
+  std::vector<std::optional<DiscHit>> hits(rays.size());
+  discs.closest(rays, origins, hits);
+  std::size_t shared = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    std::optional<DiscHit> alone;
+    discs.closest({&rays[i], 1}, {&origins[i], 1}, {&alone, 1});
+    ASSERT_EQ(hits[i].has_value(), alone.has_value());
+    if (!alone) continue;
+    ASSERT_EQ(hits[i]->point_id, alone->point_id);
+    ASSERT_EQ(hits[i]->t, alone->t);
+    ASSERT_EQ(hits[i]->color, alone->color);
+    ASSERT_EQ(hits[i]->sheet.normal, alone->sheet.normal);
+    ASSERT_EQ(hits[i]->sheet.thickness, alone->sheet.thickness);
+    if (i > 0 && hits[i - 1] && hits[i - 1]->point_id == alone->point_id) ++shared;
+  }
+  EXPECT_GT(shared, 200u);
+}
+
 TEST(DiscCloud, a_blended_plane_is_flat_and_a_rim_stays_sharp) {
   Random random;
   std::vector<glm::dvec3> points;

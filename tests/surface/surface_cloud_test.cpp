@@ -31,11 +31,11 @@ using test::same_hits;
 
 class SurfaceCloudOn : public ::testing::TestWithParam<InstructionSet> {};
 
-TEST_P(SurfaceCloudOn, every_instruction_set_finds_all_spheres_that_hold_a_position) {
+TEST_P(SurfaceCloudOn, every_instruction_set_finds_all_spheres_near_a_position) {
   std::size_t held = 0;
   for (const test::DiscCase& disc_case : test::disc_cases()) {
     const PointCloud& cloud = disc_case.cloud;
-    Random random(disc_case.name + "_enclosing");
+    Random random(disc_case.name + "_near");
     for (const test::NamedOctree& named : test::octrees_of(cloud, GetParam())) {
       const Octree octree = with_spacings(named.octree, k_surface_neighbours);
       const SurfaceCloud spheres = SurfaceCloud::of_spheres(octree);
