@@ -25,9 +25,9 @@ class Surfaces {
 
   /// The first one with t_min <= t <= t_max, where t_min is at least 0. Equal answers for equal rays.
   virtual std::optional<Hit> nearest(const Ray& ray) const = 0;
-  /// Whether there is one. Not slower.
+  /// Whether nearest() would find a surface. Takes at most as long.
   virtual bool occluded(const Ray& ray) const = 0;
-  /// World; empty if there are none.
+  /// Box around all surfaces, in world coordinates; an empty box if there is no surface.
   virtual const Bounds& bounds() const = 0;
 
  protected:

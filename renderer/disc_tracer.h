@@ -27,7 +27,7 @@
 
 namespace alidade::renderer {
 
-/// The colour of a point; black where there are none.
+/// The colour of a point, or black if the cloud has no colours.
 inline Color16 color_of(const ColorColumn& colors, std::uint64_t point_id) {
   return colors.empty() ? Color16(0) : colors[point_id];
 }

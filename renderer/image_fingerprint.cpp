@@ -68,10 +68,14 @@ std::string text_of(const std::vector<Object>& objects) {
   Json all = Json::array();
   for (const Object& object : objects) {
     // The name of a mesh has file, placement and a checksum.
-    if (const Model* const model = std::get_if<Model>(&object))
-      all.push_back({model->name, material_form().write(model->material)});
-    else
+    const Model* const model = std::get_if<Model>(&object);
+    if (model == nullptr) {
       all.push_back(scene_object_form().write(object));
+      continue;
+    }
+    if (model->name.empty())
+      throw Error({.problem = "a model has no name", .expected = "one that tells its surfaces from others"});
+    all.push_back({model->name, material_form().write(model->material)});
   }
   return text_of(all);
 }

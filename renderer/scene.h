@@ -95,10 +95,10 @@ struct MeshFile {
 /// Surfaces that are not the scene's to describe, as part of it: a mesh, or the exact site behind a simulated
 /// scan.
 struct Model {
-  /// Not null when rendered; those of a mesh are null until its file is read (mesh/triangle_mesh.h) and made a
-  /// TriangleTree (mesh/triangle_tree.h).
+  /// Not null when rendered; those of a mesh are null until its file is read (mesh/triangle_mesh.h) and made
+  /// a TriangleTree (mesh/triangle_tree.h).
   std::shared_ptr<const Surfaces> surfaces;
-  /// Of the surfaces, for messages and checkpoints: equal names mean equal surfaces.
+  /// Of the surfaces, for metadata and checkpoints: equal names mean equal surfaces.
   std::string name{};
   Material material = Lambertian{};  ///< lambertian or metal
   std::optional<MeshFile> mesh{};    ///< empty: surfaces of another kind

@@ -86,7 +86,7 @@ bool blocks(const Object& object, const Ray& ray, double reach, bool own, bool i
 }
 bool blocks(const Model& model, const Ray& ray, double reach, bool own, bool /*inward*/) {
   return model.surfaces->occluded(
-      {ray.origin, ray.direction, own ? k_model_clearance : 0.0, std::nextafter(reach, 0.0)});
+      {ray.origin, ray.direction, own ? k_model_clearance : 0.0, std::nextafter(reach, -k_none)});
 }
 
 Surface on_sphere(const Ray& ray, double t, const glm::dvec3& center, double radius) {

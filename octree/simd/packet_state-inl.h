@@ -118,7 +118,7 @@ struct PacketRays {
     }
   };
 
-  /// What set_up() of traversal.cpp does, for several rays.
+  /// What set_up() of tracer-inl.h does, for several rays.
   HWY_INLINE void set_up(std::size_t lane, unsigned octant, const QuerySetup& setup, Extremes& extremes) {
     const DoubleLanes d;
     const hn::Rebind<float, DoubleLanes> floats;

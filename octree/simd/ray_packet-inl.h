@@ -30,8 +30,8 @@ namespace HWY_NAMESPACE {
 /// first compared with the space between all of its rays, 16 boxes at once, then those boxes that are left
 /// with vectors of rays. Where only a few rays are left, their boxes are in lanes.
 ///
-/// Nothing of a ray is in memory but one column of the packet, in which the leaves leave their results
-/// (PacketLeafTest; for discs DiscPacketTest). Rays that these do not decide are traced alone.
+/// Nothing of a ray is in memory but one column of the packet, and what the leaves make of it (PacketLeafTest;
+/// for discs DiscPacketTest). Rays that these do not decide are traced alone.
 template <class Points, bool any>
 class RayPacket {
  public:

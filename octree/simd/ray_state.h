@@ -223,8 +223,8 @@ struct RayLimits {
 };
 
 /// What else describes a ray on its way, a cache line of it. Lengths are in local t, which counts from
-/// where the ray is both inside the root's box and not before its limits by more than the radius, so that
-/// origins far away cost no precision.
+/// where the ray is both inside the root's box and not before its limits by more than
+/// QuerySetup::before_limits(), so that origins far away cost no precision.
 struct alignas(64) RayState {
   RayLimits limits;
   double shift;  ///< t = local t + shift

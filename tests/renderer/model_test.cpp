@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <memory>
 
 #include "mesh/triangle_tree.h"
@@ -50,6 +52,24 @@ TEST(Model, mesh_and_points_are_met_at_their_depths_and_shade_each_other) {
   EXPECT_TRUE(is_shaded({1, 1, 3}, on_mesh));
   EXPECT_FALSE(is_shaded({3, 2, 3}, on_mesh));
   EXPECT_FALSE(is_shaded({5, 2, 1.6}, {}));
+}
+
+TEST(Model, blocks_what_is_beyond_it_and_nothing_at_its_distance) {
+  Scene scene;
+  scene.objects = {roof()};
+  const World world(scene, nullptr);
+  const Ray up = make_ray({3, 2, 1}, {0, 0, 1}, 0.0);
+  const auto is_blocked = [&](double reach) {
+    const RayOrigin in_air;
+    std::uint8_t answer = 0;
+    world.blocked({&up, 1}, {&in_air, 1}, {&answer, 1}, reach);
+    return answer != 0;
+  };
+  const double t = world.nearest(up, {})->t;
+  EXPECT_TRUE(is_blocked(std::numeric_limits<double>::infinity()));
+  EXPECT_TRUE(is_blocked(std::nextafter(t, 3.0)));
+  EXPECT_FALSE(is_blocked(t));
+  EXPECT_FALSE(is_blocked(0.0));
 }
 
 }  // namespace
