@@ -10,6 +10,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "tests/bench/bench_site.h"
@@ -75,7 +76,7 @@ struct Mode {
   const char* name;
   int packet;  ///< rays per call
 };
-constexpr Mode k_modes[] = {{"single", 1}, {"packet16", 16}, {"stream", 4096}};
+constexpr Mode k_modes[] = {{"single", 1}, {"packet8", 8}, {"packet16", 16}, {"stream", 4096}};
 
 /// The context of a set of rays. Rays of a camera and of a sun are declared coherent, as programs do.
 RTCIntersectContext context_for(const std::string& set) {
@@ -94,9 +95,26 @@ std::vector<RTCRayHit> prepared(const EmbreeSpheres& spheres, const std::vector<
   return all;
 }
 
-/// 16 rays side by side.
-void gather(std::span<const RTCRayHit> rays, RTCRayHit16& packet, std::int32_t (&valid)[16]) {
-  for (std::size_t lane = 0; lane < 16; ++lane) {
+void intersect(const int* valid, RTCScene scene, RTCIntersectContext& context, RTCRayHit8& packet) {
+  rtcIntersect8(valid, scene, &context, &packet);
+}
+void intersect(const int* valid, RTCScene scene, RTCIntersectContext& context, RTCRayHit16& packet) {
+  rtcIntersect16(valid, scene, &context, &packet);
+}
+void occlude(const int* valid, RTCScene scene, RTCIntersectContext& context, RTCRayHit8& packet) {
+  rtcOccluded8(valid, scene, &context, &packet.ray);
+}
+void occlude(const int* valid, RTCScene scene, RTCIntersectContext& context, RTCRayHit16& packet) {
+  rtcOccluded16(valid, scene, &context, &packet.ray);
+}
+
+template <class Packet>
+constexpr std::size_t k_lanes = std::extent_v<decltype(Packet().hit.primID)>;
+
+/// Rays side by side.
+template <class Packet>
+void gather(std::span<const RTCRayHit> rays, Packet& packet, std::int32_t (&valid)[k_lanes<Packet>]) {
+  for (std::size_t lane = 0; lane < k_lanes<Packet>; ++lane) {
     valid[lane] = lane < rays.size() ? -1 : 0;
     const RTCRay& ray = rays[std::min(lane, rays.size() - 1)].ray;
     packet.ray.org_x[lane] = ray.org_x;
@@ -115,6 +133,19 @@ void gather(std::span<const RTCRayHit> rays, RTCRayHit16& packet, std::int32_t (
   }
 }
 
+/// Calls trace(packet, valid) for all rays, gathered into packets, and then read(packet, lane) for each.
+template <class Packet, class Trace, class Read>
+void in_packets(std::span<const RTCRayHit> rays, const Trace& trace, const Read& read) {
+  alignas(64) Packet packet;
+  alignas(64) std::int32_t valid[k_lanes<Packet>];
+  for (std::size_t begin = 0; begin < rays.size(); begin += k_lanes<Packet>) {
+    const std::size_t size = std::min(k_lanes<Packet>, rays.size() - begin);
+    gather(rays.subspan(begin, size), packet, valid);
+    trace(packet, valid);
+    for (std::size_t lane = 0; lane < size; ++lane) read(packet, lane);
+  }
+}
+
 /// How many of these rays hit; every answer is read. Works in `stream`.
 std::size_t closest_hits(RTCScene scene, std::span<const RTCRayHit> rays, const Mode& mode,
                          RTCIntersectContext context, std::vector<RTCRayHit>& stream) {
@@ -129,15 +160,12 @@ std::size_t closest_hits(RTCScene scene, std::span<const RTCRayHit> rays, const 
       rtcIntersect1(scene, &context, &hit);
       count(hit.hit.geomID, hit.hit.primID);
     }
-  } else if (mode.packet == 16) {
-    alignas(64) RTCRayHit16 packet;
-    alignas(64) std::int32_t valid[16];
-    for (std::size_t begin = 0; begin < rays.size(); begin += 16) {
-      const std::size_t size = std::min<std::size_t>(16, rays.size() - begin);
-      gather(rays.subspan(begin, size), packet, valid);
-      rtcIntersect16(valid, scene, &context, &packet);
-      for (std::size_t lane = 0; lane < size; ++lane) count(packet.hit.geomID[lane], packet.hit.primID[lane]);
-    }
+  } else if (mode.packet <= 16) {
+    const auto trace = [&](auto& packet, const auto& valid) { intersect(valid, scene, context, packet); };
+    const auto read = [&](const auto& packet, std::size_t lane) {
+      count(packet.hit.geomID[lane], packet.hit.primID[lane]);
+    };
+    mode.packet == 8 ? in_packets<RTCRayHit8>(rays, trace, read) : in_packets<RTCRayHit16>(rays, trace, read);
   } else {
     stream.assign(rays.begin(), rays.end());
     rtcIntersect1M(scene, &context, stream.data(), static_cast<unsigned>(stream.size()), sizeof(RTCRayHit));
@@ -156,15 +184,10 @@ std::size_t occluded_hits(RTCScene scene, std::span<const RTCRayHit> rays, const
       rtcOccluded1(scene, &context, &traced);
       hits += traced.tfar < 0.0f;
     }
-  } else if (mode.packet == 16) {
-    alignas(64) RTCRayHit16 packet;
-    alignas(64) std::int32_t valid[16];
-    for (std::size_t begin = 0; begin < rays.size(); begin += 16) {
-      const std::size_t size = std::min<std::size_t>(16, rays.size() - begin);
-      gather(rays.subspan(begin, size), packet, valid);
-      rtcOccluded16(valid, scene, &context, &packet.ray);
-      for (std::size_t lane = 0; lane < size; ++lane) hits += packet.ray.tfar[lane] < 0.0f;
-    }
+  } else if (mode.packet <= 16) {
+    const auto trace = [&](auto& packet, const auto& valid) { occlude(valid, scene, context, packet); };
+    const auto read = [&](const auto& packet, std::size_t lane) { hits += packet.ray.tfar[lane] < 0.0f; };
+    mode.packet == 8 ? in_packets<RTCRayHit8>(rays, trace, read) : in_packets<RTCRayHit16>(rays, trace, read);
   } else {
     stream.assign(rays.begin(), rays.end());
     rtcOccluded1M(scene, &context, &stream.data()->ray, static_cast<unsigned>(stream.size()),
@@ -205,6 +228,19 @@ void time_embree(benchmark::State& state, std::int64_t points, const std::string
   report_rays(state, rays.size(), hits);
 }
 
+void count_embree(benchmark::State& state, std::int64_t points, const std::string& set, const Mode& mode,
+                  TraceRays trace) {
+  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
+  const EmbreeSpheres& spheres = embree_spheres(site);
+  const std::vector<RTCRayHit> rays = prepared(spheres, counted_rays(site.rays(set), mode.packet > 1));
+  std::vector<RTCRayHit> room(rays.size());
+  for (auto _ : state) {
+    report_instructions(state, rays.size(), [&] {
+      benchmark::DoNotOptimize(trace(spheres.scene(), rays, mode, context_for(set), room));
+    });
+  }
+}
+
 }  // namespace
 
 void register_embree_rays() {
@@ -216,6 +252,9 @@ void register_embree_rays() {
           add_benchmark(threads, {"embree", question, set, with_threads(mode.name, threads), count},
                         time_embree, points, set, mode, trace, threads);
         }
+        if (points == k_site_sizes[0])
+          add_benchmark(1, {"embree", "instructions", question, set, mode.name, count}, count_embree, points,
+                        set, mode, trace);
       }
     };
     for (const char* set : k_closest_sets) add("closest", set, closest_hits);

@@ -30,6 +30,14 @@ class NanoflannPoints {
     distances_sq_.resize(k);
     return tree_.knnSearch(&point.x, k, ids_.data(), distances_sq_.data());
   }
+  std::size_t nearest_of_all(std::size_t k) {
+    std::size_t found = 0;
+    for (const glm::vec3& position : positions_.all) {
+      found += nearest(position, k);
+      benchmark::DoNotOptimize(ids_.data());
+    }
+    return found;
+  }
   std::size_t within(const glm::vec3& point, float radius) {
     return tree_.radiusSearch(&point.x, radius * radius, found_, nanoflann::SearchParams());
   }

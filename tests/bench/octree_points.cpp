@@ -10,9 +10,15 @@ namespace {
 
 class OctreePoints {
  public:
-  explicit OctreePoints(const std::vector<glm::vec3>& positions) : octree_(build(cloud_of(positions))) {}
+  explicit OctreePoints(const std::vector<glm::vec3>& positions)
+      : octree_(build(cloud_of(positions))), positions_(positions.begin(), positions.end()) {}
   std::size_t nearest(const glm::vec3& point, std::size_t k) {
     return count(find(octree_, glm::dvec3(point), {.k = k}));
+  }
+  std::size_t nearest_of_all(std::size_t k) {
+    const Answers<PointHit> answers = find(octree_, positions_, {.k = k});
+    benchmark::DoNotOptimize(answers.all.data());
+    return answers.all.size();
   }
   std::size_t within(const glm::vec3& point, float radius) {
     return count(find(octree_, glm::dvec3(point), {.radius = radius}));
@@ -39,6 +45,7 @@ class OctreePoints {
   }
 
   Octree octree_;
+  std::vector<glm::dvec3> positions_;
 };
 
 void build_from_cloud(benchmark::State& state, std::int64_t points, int threads) {

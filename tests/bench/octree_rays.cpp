@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/instruction_set.h"
+#include "octree/explained_query.h"
 #include "tests/bench/bench_site.h"
 #include "tests/bench/ray_bench.h"
 #include "tests/bench/timing.h"
@@ -30,6 +31,11 @@ struct Closest {
                    std::span<Answer> answers) {
     closest(octree, rays, query, answers);
   }
+  static QueryStatistics explain(const Octree& octree, std::span<const Ray> rays, const RayQuery& query) {
+    QueryStatistics work;
+    ExplainedQuery<Ray, Octree>::find(octree, rays, query, 1, work);
+    return work;
+  }
 };
 
 struct Occluded {
@@ -40,6 +46,12 @@ struct Occluded {
   static void many(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
                    std::span<Answer> answers) {
     occluded(octree, rays, query, answers);
+  }
+  static QueryStatistics explain(const Octree& octree, std::span<const Ray> rays, const RayQuery& query) {
+    QueryStatistics work;
+    std::vector<std::size_t> counts(rays.size());
+    ExplainedQuery<Ray, Octree>::count(octree, rays, query, counts, work);
+    return work;
   }
 };
 
@@ -104,6 +116,33 @@ void time_blocks(benchmark::State& state, std::int64_t points, const std::string
   report_rays(state, rays.size(), hits);
 }
 
+/// Counts instructions, and what a ray reads of the tree on its way, by Algorithm 1.
+template <class Question>
+void count_work(benchmark::State& state, std::int64_t points, const std::string& set, bool batch) {
+  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
+  const std::vector<Ray> rays = counted_rays(site.rays(set), batch);
+  RayQuery query = site.query();
+  std::vector<typename Question::Answer> answers(rays.size());
+  for (auto _ : state) {
+    report_instructions(state, rays.size(), [&] {
+      if (batch) {
+        on_threads(1, [&] { Question::many(site.octree, rays, query, answers); });
+      } else {
+        for (const Ray& ray : rays) benchmark::DoNotOptimize(Question::one(site.octree, ray, query));
+      }
+    });
+  }
+  query.k = 1;
+  const QueryStatistics work = Question::explain(site.octree, rays, query);
+  const std::uint64_t nodes = work.nodes_visited - work.leaves_visited;
+  const auto count = static_cast<double>(rays.size());
+  state.counters["nodes"] = static_cast<double>(nodes) / count;
+  state.counters["leaves"] = static_cast<double>(work.leaves_visited) / count;
+  constexpr std::size_t k_bytes_of_point = 3 * sizeof(std::uint16_t);
+  state.counters["bytes"] =
+      static_cast<double>(nodes * sizeof(Node) + work.points_tested * k_bytes_of_point) / count;
+}
+
 template <class Question>
 void register_question(const std::string& question, const std::string& set, std::int64_t points) {
   const std::string count = std::to_string(points);
@@ -114,6 +153,11 @@ void register_question(const std::string& question, const std::string& set, std:
                   points, set, InstructionSet::best, threads);
   }
   add_benchmark(1, {question, set, "blocks_of_256", count}, time_blocks<Question>, points, set, 256);
+  if (points == k_site_sizes[0]) {
+    for (const char* mode : {"single", "batch"})
+      add_benchmark(1, {"instructions", question, set, mode, count}, count_work<Question>, points, set,
+                    mode == std::string("batch"));
+  }
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     const std::string_view of_set = name(instruction_set);
     add_benchmark(1, {"instruction_set", of_set, question, set, "single", count}, time_single<Question>,

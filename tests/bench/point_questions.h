@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -9,8 +10,10 @@
 #include <random>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "base/morton.h"
 #include "tests/bench/process_memory.h"
 #include "tests/bench/timing.h"
 #include "tests/bench/uniform_points.h"
@@ -22,6 +25,7 @@
 //   std::size_t within(const glm::vec3& point, float radius)             all within, nearest first
 //   std::size_t box_count(const glm::vec3& low, const glm::vec3& high)   how many
 //   std::size_t box_ids(const glm::vec3& low, const glm::vec3& high)     their ids
+//   std::size_t nearest_of_all(std::size_t k)      of each of its own points, in their order
 
 namespace alidade::bench {
 
@@ -29,6 +33,8 @@ namespace alidade::bench {
 /// - points/build/INDEX/POINTS: on one thread; of the octree also octree_2_threads
 /// - points/nearest_8/INDEX/POINTS, points/within_20/INDEX/POINTS (a radius that holds 20 points on average)
 /// - points/box_count_large/INDEX/POINTS, points/box_ids_large/...: two random corners, as in the paper
+/// - points/all_nearest_10_ORDER/INDEX/POINTS: of all points; ORDER raw (random), morton (the points given to
+///   the index and asked for along a Morton curve)
 /// - points/box_count_small/INDEX/POINTS, points/box_ids_small/...: boxes that hold 20 points on average
 void register_octree_points();
 void register_nanoflann_points();
@@ -44,12 +50,25 @@ inline std::vector<glm::vec3> uniform_positions(std::int64_t points) {
   return positions;
 }
 
-/// Made at the first call for a size, then kept.
+inline std::vector<glm::vec3> along_morton_curve(std::vector<glm::vec3> positions) {
+  const auto key = [](const glm::vec3& position) {
+    const glm::vec3 cell = position * 1024.0f;
+    return morton_key(static_cast<std::uint32_t>(cell.x), static_cast<std::uint32_t>(cell.y),
+                      static_cast<std::uint32_t>(cell.z));
+  };
+  std::ranges::sort(positions, {}, key);
+  return positions;
+}
+
+/// Made at the first call for a size and an order, then kept.
 template <class Index>
-Index& kept_index(std::int64_t points) {
-  static std::map<std::int64_t, std::unique_ptr<Index>> indexes;
-  std::unique_ptr<Index>& index = indexes[points];
-  if (!index) index = std::make_unique<Index>(uniform_positions(points));
+Index& kept_index(std::int64_t points, bool along_curve = false) {
+  static std::map<std::pair<std::int64_t, bool>, std::unique_ptr<Index>> indexes;
+  std::unique_ptr<Index>& index = indexes[{points, along_curve}];
+  if (!index) {
+    const std::vector<glm::vec3> positions = uniform_positions(points);
+    index = std::make_unique<Index>(along_curve ? along_morton_curve(positions) : positions);
+  }
   return *index;
 }
 
@@ -110,6 +129,14 @@ void time_nearest(benchmark::State& state, std::int64_t points, std::size_t k) {
 }
 
 template <class Index>
+void time_nearest_of_all(benchmark::State& state, std::int64_t points, std::size_t k, bool along_curve) {
+  Index& index = kept_index<Index>(points, along_curve);
+  std::size_t found = 0;
+  for (auto _ : state) found += on_threads(1, [&] { return index.nearest_of_all(k); });
+  report_queries(state, static_cast<std::size_t>(points), found);
+}
+
+template <class Index>
 void time_within(benchmark::State& state, std::int64_t points, float radius) {
   Index& index = kept_index<Index>(points);
   const std::vector<glm::vec3> positions = query_positions();
@@ -143,6 +170,14 @@ void register_questions(std::string_view name, std::int64_t points) {
   if constexpr (requires { &Index::within; }) {
     const auto radius = static_cast<float>(std::cbrt(20.0 / (4.18879 * static_cast<double>(points))));
     add_benchmark(1, {"points", "within_20", name, count}, time_within<Index>, points, radius);
+  }
+  if constexpr (requires { &Index::nearest_of_all; }) {
+    constexpr std::int64_t k_fewest = 1'000'000;
+    for (const bool along_curve : {false, true}) {
+      if (points < k_fewest) continue;
+      add_benchmark(1, {"points", along_curve ? "all_nearest_10_morton" : "all_nearest_10_raw", name, count},
+                    time_nearest_of_all<Index>, points, 10, along_curve);
+    }
   }
   const auto add_boxes = [&](const std::string& question, auto function) {
     add_benchmark(1, {"points", question + "_small", name, count}, time_boxes<Index>, points,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Tables of point queries and of lists along rays."""
 
-from ray_tables import number, points_word, table
+from ray_tables import number, points_word, ratio, table
 
 INDEXES = {"octree": "Alidade", "nanoflann": "nanoflann", "boost_packed": "Boost R*-tree, packed",
            "boost_inserted": "Boost R*-tree, inserted", "pcl": "PCL octree"}
@@ -44,6 +44,18 @@ def points_table(results):
                          ["nearest_8", "within_20", "box_count_small", "box_ids_small"]])
     return table(["points", "index", "build, ms", "B/point", "nearest 8, us", "all within r, us", "box count, us",
                   "box ids, us"], rows)
+
+
+def all_nearest_table(results, bar=1.4):
+    rows = []
+    for n in [10**6, 10**7]:
+        for order, word in {"morton": "along a Morton curve", "raw": "random"}.items():
+            ours, theirs = (results.microseconds_per_query(f"points/all_nearest_10_{order}/{index}/{n}")
+                            for index in ["octree", "nanoflann"])
+            if ours is not None:
+                rows.append([points_word(n), word, number(ours), number(theirs),
+                             ratio(theirs, ours, bar if order == "morton" else None)])
+    return table(["points", "their order", "Alidade, us per point", "nanoflann", "nanoflann : Alidade"], rows)
 
 
 def site_table(results, n=10**6):

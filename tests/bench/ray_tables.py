@@ -2,7 +2,7 @@
 """Tables of rays on the campus."""
 
 SIZES = [10**6, 10**7, 5 * 10**7, 10**8]
-EMBREE_MODES = ["single", "packet16", "stream"]
+EMBREE_MODES = ["single", "packet8", "packet16", "stream"]
 SETS = {"P": "primary", "S": "bounce", "S_shuffled": "bounce, shuffled", "A_sun": "to the sun", "A_vis": "visibility"}
 
 
@@ -111,6 +111,24 @@ def instruction_sets_table(results, n=10**6):
                 share = f"{wide['avx2'] / wide['avx512']:.2f}" if {"avx2", "avx512"} <= wide.keys() else "–"
                 rows.append([question, SETS[rays], mode] + [mega(rate) for rate in rates] + [share])
     return table(["query", "rays", "asked", *order, "avx2 : avx512"], rows)
+
+
+def instructions_table(results, n=10**6):
+    def count(name, figure="instructions"):
+        value = results.median(name, figure)
+        return "–" if value is None else f"{value:.0f}" if value > 100 else f"{value:.1f}"
+
+    rows = []
+    for question, sets in [("closest", ["P", "S"]), ("occluded", ["P", "S", "A_sun", "A_vis"])]:
+        for rays in sets:
+            ours = f"instructions/{question}/{rays}"
+            if results.median(f"{ours}/single/{n}", "instructions") is None:
+                continue
+            row = [question, SETS[rays], count(f"{ours}/single/{n}"), count(f"embree/{ours}/single/{n}"), count(f"{ours}/batch/{n}")]
+            row += [count(f"embree/{ours}/{mode}/{n}") for mode in EMBREE_MODES[1:]]
+            rows.append(row + [count(f"{ours}/single/{n}", figure) for figure in ["nodes", "leaves", "bytes"]])
+    return table(["query", "rays", "single", "Embree single", "batch", *(f"Embree {mode}" for mode in EMBREE_MODES[1:]),
+                  "nodes", "leaves", "bytes"], rows)
 
 
 def python_table(results, bar=5):

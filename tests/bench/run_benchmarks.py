@@ -16,7 +16,7 @@ from pathlib import Path
 # Embree's scene, both indexes and the cloud; builds need less.
 BYTES_PER_POINT_OF_RAYS = 130
 BYTES_PER_POINT_OF_UNIFORM = 60
-BYTES_PER_POINT_OF_POINTS = 250
+BYTES_PER_POINT_OF_POINTS = 800
 
 
 def available_memory():
@@ -48,10 +48,11 @@ def all_runs(full):
         few = n > 10**7
         yield f"builds_{n}", "octree_bench", f"^build/.*/{n}/", 3 if few else 5, n * BYTES_PER_POINT_OF_RAYS
         # Embree on two threads is compared for closest hits only.
-        rays = f"^((embree/)?closest/.*|occluded/.*|embree/occluded/[^/]+/(single|packet16|stream))/{n}/"
+        rays = f"^((embree/)?closest/.*|occluded/.*|embree/occluded/[^/]+/(single|packet8|packet16|stream))/{n}/"
         yield f"rays_{n}", "octree_bench", rays, 5, n * BYTES_PER_POINT_OF_RAYS
     million = 10**6 * BYTES_PER_POINT_OF_RAYS
     yield "instruction_sets", "octree_bench", "^instruction_set/[^/]+/(closest|occluded)/[PS]/[^/]+/1000000/", 5, million
+    yield "instructions", "octree_bench", "^(embree/)?instructions/(closest|occluded)/(P|S|A_sun|A_vis)/", 1, million
     yield "site", "octree_bench", "^site/.*/1000000/", 5, million
     yield "identical", "octree_bench", "^identical/", 5, million
     for n in [10**6, 10**7] + ([10**8] if full else []):
