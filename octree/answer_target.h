@@ -24,11 +24,12 @@ inline bool is_short(const glm::dvec3& v) {
   return std::fabs(v.x) < k_longest && std::fabs(v.y) < k_longest && std::fabs(v.z) < k_longest;
 }
 
-/// Lanes take directions to be of length 1 as exactly as make_ray makes them; the contract allows more.
+/// Lanes take directions to be of length 1 as exactly as make_ray makes them; the contract allows more. Such
+/// rays pass check(), too.
 inline bool suits_traversal(const Ray& ray) {
   const glm::dvec3& d = ray.direction;
   const double square = d.x * d.x + d.y * d.y + d.z * d.z;
-  return std::fabs(square - 1.0) <= 2e-15 && is_short(ray.origin);
+  return std::fabs(square - 1.0) <= 2e-15 && is_short(ray.origin) && !std::isunordered(ray.t_min, ray.t_max);
 }
 
 inline bool suits_traversal(const TreeView& tree) {

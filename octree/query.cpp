@@ -137,6 +137,7 @@ class RaysInColumns {
 
   std::size_t size() const { return columns_.count; }
   glm::dvec3 origin(std::size_t number) const { return columns_.origin(number); }
+  glm::dvec3 direction(std::size_t number) const { return columns_.direction(number); }
   void check(std::size_t, std::size_t) const {}  // rays are good once they are made
 
   template <class Trace>
@@ -323,8 +324,7 @@ void FamilyAnswers<T>::count(const Octree& octree, std::span<const T> targets, c
 
 Ray RayColumns::ray(std::size_t row) const {
   try {
-    return make_ray(origin(row), {directions[row][0], directions[row][1], directions[row][2]}, *t_min[row],
-                    *t_max[row]);
+    return make_ray(origin(row), direction(row), *t_min[row], *t_max[row]);
   } catch (const Error& error) {
     Error::Parts parts = error.parts();
     parts.problem = fmt::format("ray {}: {}", row, parts.problem);

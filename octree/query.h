@@ -329,6 +329,10 @@ struct RayColumns {
   Column t_min, t_max;         ///< one number a row
 
   glm::dvec3 origin(std::size_t row) const { return {origins[row][0], origins[row][1], origins[row][2]}; }
+  /// As given, of any length.
+  glm::dvec3 direction(std::size_t row) const {
+    return {directions[row][0], directions[row][1], directions[row][2]};
+  }
   /// Errors: those of make_ray, with the number of the row.
   Ray ray(std::size_t row) const;
 };

@@ -51,9 +51,11 @@ inline float float_below(double value) {
 }
 
 /// Bit per axis: the ray goes down.
+inline unsigned octant_of(const glm::dvec3& direction) {
+  return (direction.x < 0.0 ? 1u : 0u) | (direction.y < 0.0 ? 2u : 0u) | (direction.z < 0.0 ? 4u : 0u);
+}
 inline unsigned octant_of(const Ray& ray) {
-  return (ray.direction.x < 0.0 ? 1u : 0u) | (ray.direction.y < 0.0 ? 2u : 0u) |
-         (ray.direction.z < 0.0 ? 4u : 0u);
+  return octant_of(ray.direction);
 }
 
 /// Whether condition(i, i + 1) holds for most of 64 pairs of rays that follow one another, spread over a
