@@ -238,7 +238,9 @@ class NearestGroup {
                  dz = hn::Sub(hn::Load(d, points.local[2] + i), z);
       const auto distance_sq = hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
       const auto is_near = hn::Le(distance_sq, outer_sq);
-      if (hn::AllFalse(d, is_near)) continue;
+      // Which vectors hold none cannot be predicted, and compressing one is no slower, except in four lanes.
+      if constexpr (hn::MaxLanes(PointLanes()) == 4)
+        if (hn::AllFalse(d, is_near)) continue;
       const Compressor compress(d, is_near);
       hn::StoreU(compress(distance_sq), d, points.near_sq + count);
       hn::StoreU(compress(indices), ints, points.near + count);
@@ -247,7 +249,8 @@ class NearestGroup {
     return count;
   }
 
-  /// Appends those of the near points that are first, in order, and maybe some more.
+  /// Appends those of the near points that are first, in order, and maybe some more; as evaluate()
+  /// (octree/candidate.h) without a filter, but in place: copies of answers just written are slow.
   void decide(const glm::dvec3& target, std::size_t near_count, std::vector<PointHit>& answers) {
     const std::size_t candidates = put_in_order(near_count);
     const PointTarget decider(target, query_);
@@ -255,10 +258,13 @@ class NearestGroup {
     for (std::size_t i = 0; i < candidates; ++i) {
       const auto point = static_cast<std::size_t>(points_.near[points_.order[i]]);
       const StoredPoint& stored = points_.stored[point];
-      const auto answer =
-          decider.evaluate(to_world(tree_.lattice, stored.position), point_id(tree_, stored.index));
-      if (!answer) continue;
-      answers.push_back(*answer);
+      const glm::dvec3 position = to_world(tree_.lattice, stored.position);
+      const double distance = alidade::distance(target, position);
+      if (!(distance <= query_.radius)) continue;
+      PointHit& answer = answers.emplace_back();
+      answer.point_id = point_id(tree_, stored.index);
+      answer.position = position;
+      answer.distance = distance;
       for (std::size_t at = answers.size() - 1; at > first && decider.precedes(answers[at], answers[at - 1]);
            --at)
         std::swap(answers[at], answers[at - 1]);
