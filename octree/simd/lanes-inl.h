@@ -61,7 +61,11 @@ HWY_INLINE unsigned mask_bits(D d, const Mask& mask) {
   return in_general_register(mask.raw);
 #elif HWY_TARGET == HWY_AVX2
   (void)d;
-  return static_cast<unsigned>(_mm256_movemask_ps(mask.raw));
+  if constexpr (sizeof(hn::TFromD<D>) == sizeof(double)) {
+    return static_cast<unsigned>(_mm256_movemask_pd(mask.raw));
+  } else {
+    return static_cast<unsigned>(_mm256_movemask_ps(mask.raw));
+  }
 #else
   static_assert(hn::MaxLanes(D()) <= 8);
   std::uint8_t bytes[8] = {};

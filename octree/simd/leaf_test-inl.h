@@ -122,15 +122,13 @@ class LeafTest {
 
   /// Any point is enough, and this one of a leaf counts: no other matters.
   void finish(const ActiveRay& ray, const Leaf& leaf, std::uint32_t index) const {
-    ray.state.best_position = position_of(setup_.tree, leaf, index);
-    ray.state.best_index = leaf.first + index;
+    // DiscPacketTest asks which one; of spheres no one does.
+    if constexpr (Points::are_discs) {
+      ray.state.best_position = position_of(setup_.tree, leaf, index);
+      ray.state.best_index = leaf.first + index;
+    }
     ray.state.best_low = -std::numeric_limits<double>::infinity();
     ray.boxes.t_cut = -std::numeric_limits<float>::infinity();
-  }
-
-  /// Whether a point that has counted for another ray counts for this one.
-  bool counts(const ActiveRay& ray, const LatticePosition& position, std::uint32_t index) const {
-    return in_double(ray, position, index).has_value();
   }
 
   /// Decides those points of a leaf (bits) in double that can be the best. low_of(i): point i begins not

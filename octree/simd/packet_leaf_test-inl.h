@@ -11,6 +11,7 @@
 
 #include "octree/simd/leaf_test-inl.h"
 #include "octree/simd/packet_group-inl.h"
+#include "octree/simd/recent_occluders-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
@@ -112,6 +113,8 @@ class PacketLeafTest {
     }
   }
 
+  /// Of this packet and of those before.
+  const RecentOccluders& recent_occluders() const { return recent_; }
   /// Bit per ray: it has an answer.
   std::uint64_t found() const { return found_ & ~unclear_; }
   /// Bit per ray: it must be traced alone.
@@ -147,6 +150,7 @@ class PacketLeafTest {
   void load(const Leaf& leaf, std::uint32_t count) {
     const PointLanes d;
     count_ = count;
+    if constexpr (any) leaf_ = leaf;
     const std::uint16_t* coordinates = setup_.tree.coordinates + std::size_t{3} * leaf.first;
     for (int axis = 0; axis < 3; ++axis)
       for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d)))
@@ -368,6 +372,7 @@ class PacketLeafTest {
     std::optional<PacketLimits> limits;
     if constexpr (limited) limits.emplace(rays_, setup_.query, error_, group);
     auto open = group.meets, is_unclear = hn::FirstN(d, 0);
+    std::uint32_t last = count_;
     for (std::uint32_t i = 0; i < count_; ++i) {
       const auto [t, inside] = point_at(group, i);
       auto is_possible = hn::And(open, hn::Ge(inside, zero));
@@ -376,9 +381,12 @@ class PacketLeafTest {
       auto is_sure = hn::And(is_possible, hn::Ge(inside, rim));
       if constexpr (limited) limits->apply(t, inside, rim, is_possible, is_sure);
       is_unclear = hn::Or(is_unclear, hn::AndNot(is_sure, is_possible));
+      if (hn::AllFalse(d, is_sure)) continue;
+      last = i;
       open = hn::AndNot(is_sure, open);
       if (hn::AllFalse(d, open)) break;
     }
+    if (last != count_) note_occluder(last);
     note_any(group.first, mask_bits(d, hn::AndNot(open, group.meets)), mask_bits(d, is_unclear));
   }
 
@@ -397,12 +405,17 @@ class PacketLeafTest {
         if constexpr (limited) limits->of(lane).apply(t, inside, sure_above_of(i), is_possible, is_sure);
         if (!hn::AllFalse(p, is_sure)) {
           found |= 1u << lane;
+          note_occluder(i + index_of_lowest_bit(mask_bits(p, is_sure)));
           return;
         }
         if (!hn::AllFalse(p, is_possible)) unclear |= 1u << lane;
       }
     });
     note_any(group.first, found, unclear);
+  }
+
+  void note_occluder(std::uint32_t point) {
+    recent_.add(leaf_.first + point, position_of(setup_.tree, leaf_, point));
   }
 
   void note_any(std::size_t first, unsigned found, unsigned unclear) {
@@ -435,6 +448,7 @@ class PacketLeafTest {
   std::optional<typename Single::LeafFrame> frame_;
   float error_ = 0.0f, outer_sq_ = 0.0f, sure_above_ = 0.0f;
   // Of the leaf.
+  Leaf leaf_{};
   std::uint32_t count_ = 0;
   alignas(64) float points_[3][k_max_leaf_size];  ///< from the frame's corner, metres
   alignas(64) float outer_sqs_[k_max_leaf_size], sure_aboves_[k_max_leaf_size];  ///< of own_radii
@@ -443,6 +457,7 @@ class PacketLeafTest {
   alignas(64) std::uint32_t found_leaf_[k_size], found_point_[k_size];
   std::uint64_t found_ = 0, unclear_ = 0;  ///< bit per ray
   std::vector<Leaf> leaves_;               ///< with points that once led
+  RecentOccluders recent_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -34,20 +34,68 @@ HWY_INLINE hn::Vec<hn::Rebind<float, D>> demote_below(D d, hn::Vec<D> value) {
   return hn::Neg(demote_above(d, hn::Neg(value)));
 }
 
-/// Rays of a packet, a column each. All of one octant; numbers marked as mirrored have their signs changed on
-/// the axes along which the rays go down.
-struct PacketRays {
-  static constexpr std::size_t k_size = 64, k_lanes = hn::MaxLanes(RayLanes()), k_most_lanes = 16;
+/// Where a ray passes a point, in lanes.
+struct LaneProjection {
+  hn::Vec<DoubleLanes> t, distance, entry;
+};
+
+/// Rays as columns, world.
+struct GatheredRays {
+  static constexpr std::size_t k_size = 64, k_most_lanes = 16;
 
   std::size_t count = 0;
+  alignas(64) double origin[3][k_size], direction[3][k_size];
+  alignas(64) double t_min[k_size], t_max[k_size];
+
+  /// numbers: of at most k_size rays, at least one. Lanes up to the next multiple of k_most_lanes, whose end
+  /// it returns, hold the last ray.
+  std::size_t gather(std::span<const Ray> rays, std::span<const std::uint32_t> numbers) {
+    count = numbers.size();
+    const std::size_t lanes = (count + k_most_lanes - 1) / k_most_lanes * k_most_lanes;
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const Ray& ray = rays[numbers[std::min(lane, count - 1)]];
+      for (int axis = 0; axis < 3; ++axis) {
+        origin[axis][lane] = ray.origin[axis];
+        direction[axis][lane] = ray.direction[axis];
+      }
+      t_min[lane] = ray.t_min;
+      t_max[lane] = ray.t_max;
+    }
+    return lanes;
+  }
+
+  /// The operations of evaluate() (octree/candidate.h) for points with these radii, in their order, so that
+  /// the numbers are the same bits. t and entry count in the world, also of a packet's rays.
+  HWY_INLINE LaneProjection project(std::size_t lane, hn::Vec<DoubleLanes> point_x,
+                                    hn::Vec<DoubleLanes> point_y, hn::Vec<DoubleLanes> point_z,
+                                    hn::Vec<DoubleLanes> radius) const {
+    const DoubleLanes d;
+    const auto x = hn::Sub(point_x, hn::Load(d, origin[0] + lane)),
+               y = hn::Sub(point_y, hn::Load(d, origin[1] + lane)),
+               z = hn::Sub(point_z, hn::Load(d, origin[2] + lane));
+    const auto dx = hn::Load(d, direction[0] + lane), dy = hn::Load(d, direction[1] + lane),
+               dz = hn::Load(d, direction[2] + lane);
+    const auto cross_x = hn::Sub(hn::Mul(y, dz), hn::Mul(z, dy)),
+               cross_y = hn::Sub(hn::Mul(z, dx), hn::Mul(x, dz)),
+               cross_z = hn::Sub(hn::Mul(x, dy), hn::Mul(y, dx));
+    const auto t = hn::Add(hn::Add(hn::Mul(x, dx), hn::Mul(y, dy)), hn::Mul(z, dz));
+    const auto distance = hn::Sqrt(
+        hn::Add(hn::Add(hn::Mul(cross_x, cross_x), hn::Mul(cross_y, cross_y)), hn::Mul(cross_z, cross_z)));
+    const auto half_chord_sq = hn::Sub(hn::Mul(radius, radius), hn::Mul(distance, distance));
+    return {t, distance, hn::Sub(t, hn::Sqrt(hn::Max(half_chord_sq, hn::Zero(d))))};
+  }
+};
+
+/// Rays of a packet, a column each. All of one octant; numbers marked as mirrored have their signs changed on
+/// the axes along which the rays go down. Once they are loaded, t_min and t_max are local t, within k_far.
+struct PacketRays : GatheredRays {
+  static constexpr std::size_t k_lanes = hn::MaxLanes(RayLanes());
+
   unsigned groups = 0;         ///< bit per vector of floats: some ray of it goes through the tree
   std::uint64_t far_away = 0;  ///< rays that need a QuerySetup of their own; they do not go through the tree
 
-  // World.
-  alignas(64) double origin[3][k_size], direction[3][k_size];
   alignas(64) double shift[k_size];  ///< t = local t + shift; nothing that ends before local t = 0 counts
   // Local t, within k_far.
-  alignas(64) double t_min[k_size], t_max[k_size];
   alignas(64) float limit_low[k_size];   ///< not below t_min nor entry_min
   alignas(64) float limit_high[k_size];  ///< not above t_max
   alignas(64) float t_cut[k_size];  ///< nothing that begins after counts; -infinity of rays that are done
@@ -67,17 +115,7 @@ struct PacketRays {
   /// numbers: of at most k_size rays, at least one.
   void load(std::span<const Ray> rays, std::span<const std::uint32_t> numbers, unsigned octant,
             const QuerySetup& setup) {
-    count = numbers.size();
-    std::size_t lanes = (count + k_most_lanes - 1) / k_most_lanes * k_most_lanes;
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const Ray& ray = rays[numbers[std::min(lane, count - 1)]];
-      for (int axis = 0; axis < 3; ++axis) {
-        origin[axis][lane] = ray.origin[axis];
-        direction[axis][lane] = ray.direction[axis];
-      }
-      t_min[lane] = ray.t_min;
-      t_max[lane] = ray.t_max;
-    }
+    const std::size_t lanes = gather(rays, numbers);
     far_away = 0;
     const DoubleLanes d;
     Extremes extremes;

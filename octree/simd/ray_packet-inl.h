@@ -355,8 +355,7 @@ class RayPacket {
   std::uint64_t nodes_ = 0, rays_at_nodes_ = 0;
 };
 
-/// The points that rays of a packet meet as hits, several at a time: the operations of evaluate()
-/// (octree/candidate.h) in their order, so that the numbers are the same bits.
+/// The points that rays of a packet meet as hits, several at a time.
 class PacketHits {
  public:
   template <class Points>
@@ -372,23 +371,12 @@ class PacketHits {
   void evaluate(const PacketRays& rays) {
     const DoubleLanes d;
     for (std::size_t lane = 0; lane < rays.count; lane += hn::Lanes(d)) {
-      const auto relative = [&](int axis) {
-        return hn::Sub(hn::Load(d, position_[axis] + lane), hn::Load(d, rays.origin[axis] + lane));
-      };
-      const auto x = relative(0), y = relative(1), z = relative(2);
-      const auto dx = hn::Load(d, rays.direction[0] + lane), dy = hn::Load(d, rays.direction[1] + lane),
-                 dz = hn::Load(d, rays.direction[2] + lane);
-      const auto cross_x = hn::Sub(hn::Mul(y, dz), hn::Mul(z, dy)),
-                 cross_y = hn::Sub(hn::Mul(z, dx), hn::Mul(x, dz)),
-                 cross_z = hn::Sub(hn::Mul(x, dy), hn::Mul(y, dx));
-      const auto t = hn::Add(hn::Add(hn::Mul(x, dx), hn::Mul(y, dy)), hn::Mul(z, dz));
-      const auto distance = hn::Sqrt(
-          hn::Add(hn::Add(hn::Mul(cross_x, cross_x), hn::Mul(cross_y, cross_y)), hn::Mul(cross_z, cross_z)));
-      const auto radius = hn::Load(d, radius_ + lane);
-      const auto half_chord_sq = hn::Sub(hn::Mul(radius, radius), hn::Mul(distance, distance));
-      hn::Store(t, d, t_ + lane);
-      hn::Store(distance, d, distance_ + lane);
-      hn::Store(hn::Sub(t, hn::Sqrt(hn::Max(half_chord_sq, hn::Zero(d)))), d, entry_ + lane);
+      const LaneProjection point =
+          rays.project(lane, hn::Load(d, position_[0] + lane), hn::Load(d, position_[1] + lane),
+                       hn::Load(d, position_[2] + lane), hn::Load(d, radius_ + lane));
+      hn::Store(point.t, d, t_ + lane);
+      hn::Store(point.distance, d, distance_ + lane);
+      hn::Store(point.entry, d, entry_ + lane);
     }
   }
 

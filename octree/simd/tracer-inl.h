@@ -20,6 +20,7 @@
 #include "octree/simd/ray_packet-inl.h"
 #include "octree/simd/ray_state.h"
 #include "octree/simd/ray_stream-inl.h"
+#include "octree/simd/recent_occluders-inl.h"
 #include "octree/simd/traversal.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -162,23 +163,18 @@ class Tracer {
 
   /// Answers all rays; answers: as long as they.
   void answer_all(std::span<Answer> answers) const {
-    std::vector<std::uint32_t> numbers(rays_.size());
-    std::iota(numbers.begin(), numbers.end(), 0u);
-    if (!share_nodes()) {
-      answer_interleaved(numbers, answers);
-      return;
-    }
-    // A caller's own filter may take longer than the way through the tree.
-    if constexpr (any)
-      if (!setup_.query.filter.of_point) numbers = not_behind_scouts(answers);
+    const bool side_by_side =
+        start_side_by_side(setup_.tree.extent, rays_.size(), [&](std::size_t i) { return rays_[i].origin; });
+    if (!side_by_side && !are_many()) return answer_interleaved(answers);
     constexpr std::size_t k_least_lanes = 4;
     if constexpr (hn::MaxLanes(RayLanes()) >= k_least_lanes) {
       if (!leaf_test_.all_in_double() && go_alike()) {
-        answer_in_packets(numbers, answers);
-        return;
+        return answer_in_packets(side_by_side, answers);
       }
     }
-    Octants octants = by_octant(numbers);
+    Octants octants;
+    for (std::uint32_t number = 0; number < rays_.size(); ++number)
+      octants[octant_of(rays_[number])].push_back(number);
     answer_in_stream(RayMemory(*this).batch, octants, answers);
   }
 
@@ -202,46 +198,6 @@ class Tracer {
  private:
   using Octants = std::array<std::vector<std::uint32_t>, 8>;
 
-  Octants by_octant(std::span<const std::uint32_t> numbers) const {
-    Octants octants;
-    for (const std::uint32_t number : numbers) octants[octant_of(rays_[number])].push_back(number);
-    return octants;
-  }
-
-  /// Answers a few of the rays, the scouts, and of the others those that the same points hide: most hidden
-  /// rays are hidden by the point that hides their neighbour. Returns the rays that are left.
-  std::vector<std::uint32_t> not_behind_scouts(std::span<Answer> answers) const {
-    constexpr std::size_t k_group = 8;  // rays to a scout, which is in the middle
-    constexpr std::size_t k_trial = 256, k_fewest_hidden = 16;
-    const RayMemory memory(*this);
-    std::vector<std::uint32_t> scouts, left;
-    for (std::size_t i = k_group / 2; i < rays_.size(); i += k_group)
-      scouts.push_back(static_cast<std::uint32_t>(i));
-    Octants octants = by_octant(scouts);
-    answer_in_stream(memory.batch, octants, answers);
-    left.reserve(rays_.size());
-    std::size_t tested = 0, hidden = 0;
-    for (std::size_t i = 0; i < rays_.size(); ++i) {
-      const std::size_t offset = i % k_group, own = i - offset + k_group / 2;
-      if (i == own) continue;
-      const std::size_t other = offset < k_group / 2 ? own - k_group : own + k_group;
-      const auto hides = [&](std::size_t scout) {
-        if (scout >= rays_.size() || answers[scout] == 0) return false;
-        ++tested;
-        const RayState& found = memory.states[scout];
-        return leaf_test_.counts(memory.batch[i], found.best_position, found.best_index);
-      };
-      const bool pays = tested < k_trial || hidden * k_trial >= k_fewest_hidden * tested;
-      if (pays && (hides(own) || hides(other))) {
-        ++hidden;
-        answers[i] = 1;
-      } else {
-        left.push_back(static_cast<std::uint32_t>(i));
-      }
-    }
-    return left;
-  }
-
   /// Whether most rays go in nearly the direction of the one before. This affects speed only: measured with
   /// campuses of 1 and 10 million points, packets take 0.6 to 0.95 of the stream's time for such rays
   /// (primary rays, rays to the sun), and up to twice its time for others.
@@ -254,34 +210,63 @@ class Tracer {
   }
 
   /// Answers by packets; by the stream what is left once packets meet nodes with too few rays to pay.
-  void answer_in_packets(std::span<const std::uint32_t> all, std::span<Answer> answers) const {
+  void answer_in_packets(bool side_by_side, std::span<Answer> answers) const {
     using Packet = RayPacket<Points, any>;
     constexpr std::size_t k_first_look = 8;
     constexpr std::uint64_t k_fewest_rays_at_nodes = 8;  // on average
     const glm::dvec3 size = setup_.tree.bounds.size();
-    const RayOrder order(rays_, all,
-                         0.25 * std::min(std::max({size.x, size.y, size.z}), setup_.tree.extent.site_width));
+    const RayOrder order(rays_,
+                         0.25 * std::min(std::max({size.x, size.y, size.z}), setup_.tree.extent.site_width),
+                         side_by_side);
     const auto packet = std::make_unique<Packet>(traversed_);
+    std::array<std::uint32_t, Packet::k_size> next;
     Octants left;
     bool pays = true;
     std::size_t packets = 0;
     for (unsigned octant = 0; octant < 8; ++octant) {
       std::span<const std::uint32_t> numbers = order.of_octant(octant);
-      while (pays && !numbers.empty()) {
-        const std::size_t count = std::min(Packet::k_size, numbers.size());
-        for (const std::uint32_t number : numbers.first(count)) hwy::Prefetch(&answers[number]);
-        for (const std::uint32_t number :
-             numbers.subspan(count, std::min(Packet::k_size, numbers.size() - count)))
-          hwy::Prefetch(&rays_[number]);
-        answer_packet(*packet, numbers.first(count), octant, answers);
-        numbers = numbers.subspan(count);
-        if (++packets < k_first_look) continue;
-        pays = packet->rays_at_nodes() >= k_fewest_rays_at_nodes * packet->nodes();
+      OccluderTest occluders(setup_, points_);
+      while (!numbers.empty()) {
+        const std::span<const std::uint32_t> some =
+            next_packet(packet->results().recent_occluders(), occluders, numbers, next, answers);
+        if (!pays) {
+          left[octant].insert(left[octant].end(), some.begin(), some.end());
+        } else if (!some.empty()) {
+          answer_packet(*packet, some, octant, answers);
+          if (++packets >= k_first_look)
+            pays = packet->rays_at_nodes() >= k_fewest_rays_at_nodes * packet->nodes();
+        }
       }
-      left[octant].assign(numbers.begin(), numbers.end());
     }
     if (std::ranges::any_of(left, [](const auto& numbers) { return !numbers.empty(); }))
       answer_in_stream(RayMemory(*this).batch, left, answers);
+  }
+
+  /// Takes rays from the front of `numbers` for a packet, answers those that recent occluders hide, and
+  /// returns the others, which it puts into `next`.
+  std::span<const std::uint32_t> next_packet(const RecentOccluders& recent, OccluderTest<Points>& occluders,
+                                             std::span<const std::uint32_t>& numbers,
+                                             std::span<std::uint32_t> next, std::span<Answer> answers) const {
+    constexpr std::size_t k_full_enough = 48;
+    std::size_t count = 0;
+    while (count < k_full_enough && !numbers.empty()) {
+      const std::span<const std::uint32_t> some =
+          numbers.first(std::min(next.size() - count, numbers.size()));
+      numbers = numbers.subspan(some.size());
+      for (const std::uint32_t number : some) hwy::Prefetch(&answers[number]);
+      for (const std::uint32_t number : numbers.first(std::min(next.size(), numbers.size())))
+        hwy::Prefetch(&rays_[number]);
+      std::uint64_t hidden = 0;
+      if constexpr (any) hidden = occluders.hidden(recent, rays_, some, first_index_);
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        if ((hidden >> i & 1) == 0) {
+          next[count++] = some[i];
+        } else if constexpr (any) {
+          answers[some[i]] = 1;
+        }
+      }
+    }
+    return next.first(count);
   }
 
   void answer_packet(RayPacket<Points, any>& packet, std::span<const std::uint32_t> numbers, unsigned octant,
@@ -327,7 +312,9 @@ class Tracer {
     }
   }
 
-  void answer_interleaved(std::span<const std::uint32_t> numbers, std::span<Answer> answers) const {
+  void answer_interleaved(std::span<Answer> answers) const {
+    std::vector<std::uint32_t> numbers(rays_.size());
+    std::iota(numbers.begin(), numbers.end(), 0u);
     const RayMemory memory(*this);
     const std::vector<std::uint32_t> active = start_all(memory.batch, numbers);
     // Turns hide the way to memory, and cost more than that where the nodes are in the processor's cache.
@@ -352,16 +339,14 @@ class Tracer {
     const RayBatch batch;
   };
 
-  /// Whether the rays meet many nodes together: if they are many beside the tree's nodes, or if most start
-  /// near the one before. This affects speed only: measured with campuses of 1, 10 and 50 million points,
-  /// rays that bounce off neighbouring pixels are 1.4 times faster together, the same rays in random order
-  /// too once there is one for every 128 nodes (measured as 64 nodes of 8 children); blocks of 256 of these
-  /// are 1.15 times slower together.
-  bool share_nodes() const {
+  /// Whether the rays are many beside the tree's nodes. Such rays meet many nodes together, as do those of
+  /// which most start near the one before. This affects speed only: measured with campuses of 1, 10 and 50
+  /// million points, rays that bounce off neighbouring pixels are 1.4 times faster together, the same rays in
+  /// random order too once there is one for every 128 nodes (measured as 64 nodes of 8 children); blocks of
+  /// 256 of these are 1.15 times slower together.
+  bool are_many() const {
     constexpr std::size_t k_many_rays = 2048;
-    if (rays_.size() >= k_many_rays && 128 * rays_.size() >= setup_.tree.node_count) return true;
-    return start_side_by_side(setup_.tree.extent, rays_.size(),
-                              [&](std::size_t i) { return rays_[i].origin; });
+    return rays_.size() >= k_many_rays && 128 * rays_.size() >= setup_.tree.node_count;
   }
 
   /// The rays that are to go through the tree; the states of the others hold the answer.

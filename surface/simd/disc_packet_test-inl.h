@@ -11,6 +11,7 @@
 #include <span>
 
 #include "octree/simd/packet_state-inl.h"
+#include "octree/simd/recent_occluders-inl.h"
 #include "surface/simd/disc_group_test-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -79,7 +80,15 @@ class DiscPacketTest {
     for (std::uint32_t i = 0; i < list.count; ++i) rays_.t_cut[lanes[i]] = boxes_[lanes[i]].t_cut;
   }
 
-  void finish() {}
+  void finish() {
+    if constexpr (any) {
+      for (std::size_t lane = 0; lane < rays_.count; ++lane)
+        if (states_[lane].found()) recent_.add(states_[lane].best_index, states_[lane].best_position);
+    }
+  }
+
+  /// Of this packet and of those before.
+  const RecentOccluders& recent_occluders() const { return recent_; }
 
   /// Bit per ray: it must be traced alone. The states of the others hold the answers.
   std::uint64_t unclear() const { return rays_.far_away; }
@@ -93,6 +102,7 @@ class DiscPacketTest {
   std::optional<typename Single::LeafFrame> frame_;
   RayBoxes boxes_[PacketRays::k_size];  ///< only t_cut
   RayState states_[PacketRays::k_size];
+  RecentOccluders recent_;
 };
 
 }  // namespace HWY_NAMESPACE
