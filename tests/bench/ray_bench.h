@@ -18,7 +18,7 @@ namespace alidade::bench {
 
 /// The rays of a set whose instructions are counted: neighbours for a batch, otherwise some of everywhere.
 inline std::vector<Ray> counted_rays(std::span<const Ray> all, bool batch) {
-  const std::size_t count = std::min<std::size_t>(all.size(), batch ? 4096 : 256);
+  const std::size_t count = std::min<std::size_t>(all.size(), batch ? 1024 : 256);
   if (batch) all = all.subspan((all.size() - count) / 2, count);
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < count; ++i) rays.push_back(all[i * all.size() / count]);
