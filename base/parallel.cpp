@@ -10,6 +10,7 @@
 #include <cassert>
 #include <exception>
 #include <memory>
+#include <mutex>
 
 namespace alidade {
 
@@ -71,9 +72,13 @@ void JoinedProgress::add(std::uint64_t bytes) {
 }
 
 bool JoinedProgress::count(std::uint64_t bytes) {
-  const std::lock_guard lock(mutex_);
-  done_ = std::min(done_ + bytes, total_);
-  if (!is_stopped_) is_stopped_ = !progress_(done_, total_);
+  done_ += bytes;
+  do {
+    if (is_stopped_ || is_reporting_.exchange(true)) break;
+    const std::shared_ptr<void> end(nullptr, [&](void*) { is_reporting_ = false; });
+    reported_ = done_.load();
+    is_stopped_ = !progress_(std::min(reported_.load(), total_), total_);
+  } while (reported_ < done_);
   return !is_stopped_;
 }
 

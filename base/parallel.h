@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <mutex>
 
 #include "base/progress.h"
 
@@ -85,7 +84,7 @@ class PieceSize {
 
 /// The progress of work that several threads do at once, on files or on parts of one: the sum of their bytes,
 /// at most `total`. `progress` is never called by two threads at once, and not again once it has returned
-/// false.
+/// false. No thread waits for another's report: Python runs handlers of signals there, which may do such work.
 class JoinedProgress {
  public:
   /// `progress` must outlive the object, which must outlive the passes.
@@ -102,9 +101,8 @@ class JoinedProgress {
 
   const Progress& progress_;
   const std::uint64_t total_;
-  std::mutex mutex_;
-  std::uint64_t done_ = 0;
-  bool is_stopped_ = false;
+  std::atomic<std::uint64_t> done_ = 0, reported_ = 0;
+  std::atomic<bool> is_reporting_ = false, is_stopped_ = false;
 };
 
 }  // namespace alidade
