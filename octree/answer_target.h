@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -73,8 +75,9 @@ void find_into(const Octree& octree, const Target& target, const Query& query, s
 }
 
 /// Whether targets near each other share work.
-inline bool suits_turns(const Octree& octree, const PointQuery& query) {
-  return octree.size() > 0 && query.k <= simd::k_most_in_turn && !query.filter;
+inline bool suits_turns(const Octree& octree, const PointQuery& query, std::size_t targets) {
+  return octree.size() > 0 && query.k <= simd::k_most_in_turn && !query.filter &&
+         targets <= std::numeric_limits<std::uint32_t>::max();
 }
 
 /// Appends the answers of one target after another, and where those of each end. reach: of simd::Search.

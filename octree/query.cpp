@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -39,85 +38,81 @@ void check_batch(const Octree& octree, const Query& query) {
   check_level(octree, query.max_level);
 }
 
-/// A batch that is answered along a curve through the targets, whatever the order of the caller.
-class CurveBatch {
- public:
-  CurveBatch(const Octree& octree, std::span<const glm::dvec3> targets, const PointQuery& query)
-      : octree_(octree), targets_(targets), query_(query) {}
+/// Targets one after another along a curve.
+struct Turn {
+  std::vector<simd::SortKey> numbers;  ///< in the lower halves
+  std::vector<PointHit> answers;
+  std::vector<std::size_t> ends;  ///< of each target's answers
 
-  Answers<PointHit> find() {
-    in_blocks(targets_.size(), k_turn,
-              [&](std::size_t first, std::size_t end) { check_range(targets_, first, end); });
-    std::vector<simd::SortKey> order(targets_.size());
-    std::iota(order.begin(), order.end(), simd::SortKey{0});
-    sort_along_curve([&](std::uint32_t number) { return targets_[number]; }, order);
-    std::vector<std::size_t>& begin = answers_.begin;
-    begin.resize(targets_.size() + 1);
-    // Without radius and level the number of answers is known, and they are written in place.
-    const bool is_known = std::isinf(query_.radius) && query_.max_level == k_all_levels;
-    if (is_known) {
-      for (std::size_t& first : begin) first = std::min(query_.k, octree_.size());
-      make_room();
-    }
-    std::vector<Turn> turns((order.size() + k_turn - 1) / k_turn);
-    in_blocks(order.size(), k_turn, [&](std::size_t first, std::size_t end) {
-      const auto numbers = std::span<const simd::SortKey>(order).subspan(first, end - first);
-      Turn& turn = turns[first / k_turn];
-      turn.numbers.assign(numbers.begin(), numbers.end());
-      answer(turn);
-      if (!is_known) return;
-      put_in_place(turn);
-      turn = {};
-    });
-    if (is_known) return std::move(answers_);
-    for (const Turn& turn : turns)
-      for (std::size_t i = 0; i < turn.numbers.size(); ++i)
-        begin[simd::number_of(turn.numbers[i])] = turn.ends[i] - (i == 0 ? 0 : turn.ends[i - 1]);
-    make_room();
-    in_parallel(turns.size(), 1, [&](std::size_t t) { put_in_place(turns[t]); });
-    return std::move(answers_);
+  /// put(number, answers) for each target.
+  template <class Put>
+  void for_each(const Put& put) const {
+    for (std::size_t i = 0, first = 0; i < ends.size(); first = ends[i++])
+      put(simd::number_of(numbers[i]), std::span(answers).subspan(first, ends[i] - first));
   }
+};
 
- private:
-  static constexpr std::size_t k_turn = 1024;
+constexpr std::size_t k_turn = 1024;
 
-  /// Targets one after another along the curve.
-  struct Turn {
-    std::vector<simd::SortKey> numbers;  ///< in the lower halves
-    std::vector<PointHit> answers;
-    std::vector<std::size_t> ends;  ///< of each target's answers
-  };
+/// Answers targets along a curve through all of them, whatever the order of the caller: use(t, turn), in
+/// parallel.
+template <class Use>
+void answer_in_turns(const Octree& octree, std::span<const glm::dvec3> targets, const PointQuery& query,
+                     const Use& use) {
+  in_blocks(targets.size(), k_turn,
+            [&](std::size_t first, std::size_t end) { check_range(targets, first, end); });
+  const auto position = [&](std::uint32_t number) { return targets[number]; };
+  std::vector<simd::SortKey> order(targets.size());
+  std::iota(order.begin(), order.end(), simd::SortKey{0});
+  sort_along_curve(position, order);
+  in_blocks(order.size(), k_turn, [&](std::size_t first, std::size_t end) {
+    const auto numbers = std::span<const simd::SortKey>(order).subspan(first, end - first);
+    Turn turn;
+    turn.numbers.assign(numbers.begin(), numbers.end());
+    sort_along_curve(position, turn.numbers);
+    std::vector<glm::dvec3> some(numbers.size());
+    for (std::size_t i = 0; i < some.size(); ++i) some[i] = targets[simd::number_of(turn.numbers[i])];
+    turn.ends.reserve(some.size());
+    double reach = 0.0;
+    find_in_turn(octree, some, query, reach, turn.answers, turn.ends);
+    use(first / k_turn, std::move(turn));
+  });
+}
 
-  /// `begin` holds how many answers each target has, and then where they begin.
-  void make_room() {
-    std::vector<std::size_t>& begin = answers_.begin;
+Answers<PointHit> find_in_turns(const Octree& octree, std::span<const glm::dvec3> targets,
+                                const PointQuery& query) {
+  Answers<PointHit> answers;
+  std::vector<std::size_t>& begin = answers.begin;
+  begin.resize(targets.size() + 1);
+  // `begin` holds how many answers each target has, and then where they begin.
+  const auto make_room = [&] {
     begin.back() = 0;
     std::exclusive_scan(begin.begin(), begin.end(), begin.begin(), std::size_t{0});
-    answers_.all.reserve(begin.back());
-    request_huge_pages(answers_.all.data(), begin.back() * sizeof(PointHit));
-    answers_.all.resize(begin.back());
+    answers.all.reserve(begin.back());
+    request_huge_pages(answers.all.data(), begin.back() * sizeof(PointHit));
+    answers.all.resize(begin.back());
+  };
+  const auto put_in_place = [&](const Turn& turn) {
+    turn.for_each([&](std::size_t number, std::span<const PointHit> some) {
+      std::ranges::copy(some, answers.all.data() + begin[number]);
+    });
+  };
+  // Without radius and level the number of answers is known, and they are written in place.
+  if (std::isinf(query.radius) && query.max_level == k_all_levels) {
+    std::ranges::fill(begin, std::min(query.k, octree.size()));
+    make_room();
+    answer_in_turns(octree, targets, query, [&](std::size_t, const Turn& turn) { put_in_place(turn); });
+    return answers;
   }
-
-  void answer(Turn& turn) const {
-    sort_along_curve([&](std::uint32_t number) { return targets_[number]; }, turn.numbers);
-    std::vector<glm::dvec3> targets(turn.numbers.size());
-    for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = targets_[simd::number_of(turn.numbers[i])];
-    turn.ends.reserve(targets.size());
-    double reach = 0.0;
-    find_in_turn(octree_, targets, query_, reach, turn.answers, turn.ends);
+  std::vector<Turn> turns((targets.size() + k_turn - 1) / k_turn);
+  answer_in_turns(octree, targets, query, [&](std::size_t t, Turn&& turn) { turns[t] = std::move(turn); });
+  for (const Turn& turn : turns) {
+    turn.for_each([&](std::size_t number, std::span<const PointHit> some) { begin[number] = some.size(); });
   }
-
-  void put_in_place(const Turn& turn) {
-    for (std::size_t i = 0, first = 0; i < turn.ends.size(); first = turn.ends[i++])
-      std::copy_n(turn.answers.data() + first, turn.ends[i] - first,
-                  answers_.all.data() + answers_.begin[simd::number_of(turn.numbers[i])]);
-  }
-
-  const Octree& octree_;
-  const std::span<const glm::dvec3> targets_;
-  const PointQuery& query_;
-  Answers<PointHit> answers_;
-};
+  make_room();
+  in_parallel(turns.size(), 1, [&](std::size_t t) { put_in_place(turns[t]); });
+  return answers;
+}
 
 /// Rays in columns, each made when it is traced, and columns for their answers.
 template <class AnswerOfRay, class AnswerColumns>
@@ -130,10 +125,10 @@ class RaysInColumns {
       : instruction_set_(octree.instruction_set()),
         columns_(columns),
         answers_(answers),
-        progress_(progress),
         piece_({.first = query.filter ? k_few_rays : k_most_stream_rays,
                 .most = k_most_stream_rays,
-                .wanted = k_wanted_time}) {}
+                .wanted = k_wanted_time}),
+        done_(progress, columns.count) {}
 
   std::size_t size() const { return columns_.count; }
   glm::dvec3 origin(std::size_t number) const { return columns_.origin(number); }
@@ -151,7 +146,7 @@ class RaysInColumns {
         for (std::size_t i = 0; i < answers.size(); ++i) answers_.put(begin + i, answers[i]);
       });
       piece_.learn(end - begin, PieceSize::Clock::now() - start);
-      add_done(end - begin);
+      done_.add(end - begin);
       begin = end;
     }
   }
@@ -165,7 +160,7 @@ class RaysInColumns {
       answers_.prefetch(row(std::min(i + k_ahead, answers.size() - 1)));
       answers_.put(row(i), answers[i]);
     }
-    add_done(answers.size());
+    done_.add(answers.size());
   }
 
  private:
@@ -177,25 +172,13 @@ class RaysInColumns {
     for (std::size_t row = first; row < last; ++row) (void)columns_.ray(row);
     throw input_error("the rays changed during the query", "arrays that stay as they are");
   }
-  /// One thread reports at a time, and none waits for it: Python runs handlers of signals there, which may
-  /// call queries and with them tasks of this one.
-  void add_done(std::size_t rays) const {
-    done_ += rays;
-    while (reported_ < done_ && !is_reporting_.exchange(true)) {
-      const std::shared_ptr<void> end(nullptr, [&](void*) { is_reporting_ = false; });
-      const std::uint64_t done = done_;
-      if (reported_ < done) report(progress_, reported_ = done, size());
-    }
-  }
 
   const InstructionSet instruction_set_;
   const RayColumns& columns_;
   const AnswerColumns answers_;
-  const Progress& progress_;
   mutable PieceSize piece_;  ///< rays between two reports of the progress
   mutable RoomOfTasks<Answer> rooms_;
-  mutable std::atomic<std::uint64_t> done_ = 0, reported_ = 0;
-  mutable std::atomic<bool> is_reporting_ = false;
+  mutable JoinedProgress done_;
 };
 
 /// The next store there does not wait for the memory.
@@ -290,8 +273,7 @@ Answers<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, std::span<cons
     if (query.k == 1) return closest_answers(octree, targets, query);
   }
   if constexpr (std::same_as<T, glm::dvec3>) {
-    if (suits_turns(octree, query) && targets.size() <= std::numeric_limits<std::uint32_t>::max())
-      return CurveBatch(octree, targets, query).find();
+    if (suits_turns(octree, query, targets.size())) return find_in_turns(octree, targets, query);
   }
   const auto find_one = [&](std::size_t i, std::vector<AnswerOf<T>>& answers) {
     find_into(octree, targets[i], query, query.k, i, answers);
@@ -341,6 +323,34 @@ void closest(const Octree& octree, const RayColumns& rays, const RayQuery& query
              const Progress& progress) {
   closest_batch(octree, RaysInColumns<std::optional<Hit>, HitsOfRows>(octree, rays, query, {hits}, progress),
                 query);
+}
+
+void find(const Octree& octree, std::span<const glm::dvec3> targets, const PointQuery& query,
+          const PointHitColumns& hits, const Progress& progress) {
+  check_batch<glm::dvec3>(octree, query);
+  if (query.k == k_all)
+    throw input_error("columns require a k", "the number of rows for each target", "none");
+  JoinedProgress done(progress, targets.size());
+  if (suits_turns(octree, query, targets.size())) {
+    answer_in_turns(octree, targets, query, [&](std::size_t, const Turn& turn) {
+      turn.for_each(
+          [&](std::size_t number, std::span<const PointHit> answers) { hits.set(query.k, number, answers); });
+      done.add(turn.ends.size());
+    });
+    return;
+  }
+  // A filter, or many neighbours, may make each take milliseconds.
+  constexpr std::size_t k_few_targets = 8;
+  in_blocks(targets.size(), k_few_targets, [&](std::size_t first, std::size_t end) {
+    check_range(targets, first, end);
+    std::vector<PointHit> answers;
+    for (std::size_t i = first; i < end; ++i) {
+      answers.clear();
+      find_into(octree, targets[i], query, query.k, i, answers);
+      hits.set(query.k, i, answers);
+    }
+    done.add(end - first);
+  });
 }
 
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,

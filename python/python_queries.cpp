@@ -142,7 +142,6 @@ struct HitArrays {
   }
 
   void set(std::size_t i, const Hit& hit) { columns.set(i, hit); }
-  void set_none(std::size_t i) { columns.set_none(i); }
   py::object tuple() const { return answer_type("Hits")(index, t, distance, entry); }
   py::object tuple(const py::array& offsets) const {
     return answer_type("HitLists")(index, offsets, t, distance, entry);
@@ -155,17 +154,9 @@ struct HitArrays {
 
 struct NeighbourArrays {
   explicit NeighbourArrays(const Shape& shape) : index(shape), distance(shape) {
-    indices = index.mutable_data();
-    distances = distance.mutable_data();
+    columns = {index.mutable_data(), distance.mutable_data()};
   }
-  void set(std::size_t i, const PointHit& hit) {
-    indices[i] = static_cast<std::int64_t>(hit.point_id);
-    distances[i] = hit.distance;
-  }
-  void set_none(std::size_t i) {
-    indices[i] = -1;
-    distances[i] = std::numeric_limits<double>::infinity();
-  }
+  void set(std::size_t i, const PointHit& hit) { columns.set(1, i, {&hit, 1}); }
   py::object tuple() const { return answer_type("Neighbours")(index, distance); }
   py::object tuple(const py::array& offsets) const {
     return answer_type("NeighbourLists")(index, offsets, distance);
@@ -173,30 +164,8 @@ struct NeighbourArrays {
 
   py::array_t<std::int64_t> index;
   py::array_t<double> distance;
-  std::int64_t* indices;
-  double* distances;
+  PointHitColumns columns;
 };
-
-/// The k first answers of every target: arrays of shape (..., k). targets(begin, end) returns a range of
-/// targets.
-template <class Arrays, class Query, class Targets>
-py::object first_answers(const Index& index, const Query& query, int workers, Shape shape, std::size_t count,
-                         const Targets& targets) {
-  const std::size_t k = query.k;
-  shape.push_back(static_cast<py::ssize_t>(k));
-  Arrays arrays(shape);
-  in_pieces(workers, count, [&](std::size_t begin, std::size_t end) {
-    const auto answers = find(index.octree(), targets(begin, end), query);
-    in_parallel(end - begin, k_array_grain, [&](std::size_t i) {
-      const auto of_target = answers[i];
-      const std::size_t first = k * (begin + i);
-      for (std::size_t j = 0; j < k; ++j) {
-        j < of_target.size() ? arrays.set(first + j, of_target[j]) : arrays.set_none(first + j);
-      }
-    });
-  });
-  return arrays.tuple();
-}
 
 /// All answers, one target after the other: those of target i are offsets[i] to offsets[i + 1] - 1.
 template <class Arrays, class Query, class Targets>
@@ -221,6 +190,12 @@ py::object all_answers(const Index& index, const Query& query, int workers, std:
   run_free(workers,
            [&] { in_parallel(all.size(), k_array_grain, [&](std::size_t i) { arrays.set(i, all[i]); }); });
   return arrays.tuple(offsets);
+}
+
+/// Of answers with k rows for each target.
+Shape with_rows(Shape shape, std::size_t k) {
+  shape.push_back(static_cast<py::ssize_t>(k));
+  return shape;
 }
 
 std::size_t require_k(std::int64_t k) {
@@ -307,9 +282,19 @@ py::object counts(RayCall& call) {
 }
 
 py::object first_hits(RayCall& call) {
-  if (call.query.k == k_all) require_k(0);
-  return first_answers<HitArrays>(call.index, call.query, call.workers, call.rays.shape(), call.rays.size(),
-                                  call.targets());
+  const std::size_t k = call.query.k;
+  if (k == k_all) require_k(0);
+  const HitArrays hits(with_rows(call.rays.shape(), k));
+  in_pieces(call.workers, call.rays.size(), [&](std::size_t begin, std::size_t end) {
+    const auto answers = find(call.index.octree(), call.targets()(begin, end), call.query);
+    in_parallel(end - begin, k_array_grain, [&](std::size_t i) {
+      const std::span<const Hit> of_ray = answers[i];
+      const std::size_t first = k * (begin + i);
+      for (std::size_t j = 0; j < k; ++j)
+        j < of_ray.size() ? hits.columns.set(first + j, of_ray[j]) : hits.columns.set_none(first + j);
+    });
+  });
+  return hits.tuple();
 }
 
 py::object all_hits(RayCall& call) {
@@ -325,9 +310,11 @@ py::object nearest_points(const Index& index, const py::handle& xyz, std::int64_
   PointQuery query{.radius = radius.value_or(k_unlimited_radius), .k = require_k(k)};
   py::object kept;
   apply(index, {where, classes, max_level, workers}, query, kept);
-  return first_answers<NeighbourArrays>(
-      index, query, workers, leading_shape(array), positions.size(),
-      [&](std::size_t begin, std::size_t end) { return positions.subspan(begin, end - begin); });
+  const NeighbourArrays neighbours(with_rows(leading_shape(array), query.k));
+  run_interruptible(workers, [&](const Progress& progress) {
+    find(index.octree(), positions, query, neighbours.columns, progress);
+  });
+  return neighbours.tuple();
 }
 
 py::object points_within(const Index& index, const py::handle& xyz, double radius, const py::object& where,

@@ -16,9 +16,11 @@ class OctreePoints {
     return count(find(octree_, glm::dvec3(point), {.k = k}));
   }
   std::size_t nearest_of_all(std::size_t k) {
-    const Answers<PointHit> answers = find(octree_, positions_, {.k = k});
-    benchmark::DoNotOptimize(answers.all.data());
-    return answers.all.size();
+    ids_.resize(k * positions_.size());
+    distances_.resize(ids_.size());
+    find(octree_, positions_, {.k = k}, {ids_.data(), distances_.data()});
+    benchmark::DoNotOptimize(ids_.data());
+    return ids_.size();
   }
   std::size_t within(const glm::vec3& point, float radius) {
     return count(find(octree_, glm::dvec3(point), {.radius = radius}));
@@ -46,6 +48,8 @@ class OctreePoints {
 
   Octree octree_;
   std::vector<glm::dvec3> positions_;
+  std::vector<std::int64_t> ids_;
+  std::vector<double> distances_;
 };
 
 void build_from_cloud(benchmark::State& state, std::int64_t points, int threads) {

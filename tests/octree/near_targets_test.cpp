@@ -38,8 +38,29 @@ std::vector<PointHit> limited(const std::vector<PointHit>& first, const PointQue
   return answers;
 }
 
+/// With every row that was not to be written as it was.
+void expect_columns(const Octree& octree, const std::vector<glm::dvec3>& targets, const PointQuery& query,
+                    const std::vector<std::vector<PointHit>>& expected) {
+  constexpr std::int64_t k_untouched = -77;
+  const std::size_t rows = query.k * targets.size();
+  std::vector<std::int64_t> ids(rows + 1, k_untouched);
+  std::vector<double> distances(rows + 1, k_untouched);
+  find(octree, targets, query, {ids.data(), distances.data()});
+  EXPECT_EQ(ids.back(), k_untouched);
+  EXPECT_EQ(distances.back(), k_untouched);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::vector<PointHit>& hits = expected[row / query.k];
+    const std::size_t j = row % query.k;
+    const bool is_hit = j < hits.size();
+    ASSERT_EQ(ids[row], is_hit ? static_cast<std::int64_t>(hits[j].point_id) : -1) << "row " << row;
+    ASSERT_EQ(distances[row], is_hit ? hits[j].distance : std::numeric_limits<double>::infinity())
+        << "row " << row;
+  }
+}
+
 void expect_answers(const Octree& octree, const std::vector<glm::dvec3>& targets, const PointQuery& query,
                     const std::vector<std::vector<PointHit>>& expected) {
+  expect_columns(octree, targets, query, expected);
   const Answers<PointHit> found = find(octree, targets, query);
   ASSERT_EQ(found.size(), targets.size());
   ASSERT_EQ(found.begin.back(), found.all.size());
@@ -138,6 +159,63 @@ TEST(NearTargets, answers_are_the_same_on_any_number_of_threads_and_in_any_order
       std::ranges::reverse(targets);
       std::ranges::reverse(expected);
     }
+  }
+}
+
+TEST(NearTargets, columns_hold_answers_with_filters_and_with_many_neighbours) {
+  const PointFamily family = point_families()[3];
+  const Octree octree = build(family.cloud);
+  Random random("near_targets_in_columns");
+  std::vector<glm::dvec3> targets = near_targets(family.cloud, random);
+  targets.resize(100);
+  const auto is_even = [](const Candidate& point) { return point.point_id % 2 == 0; };
+  for (const PointQuery& query :
+       {PointQuery{.k = 5, .filter = is_even}, PointQuery{.k = 100}, PointQuery{.radius = 0.2, .k = 100}}) {
+    std::vector<std::vector<PointHit>> expected;
+    for (const glm::dvec3& target : targets)
+      expected.push_back(brute_force::find(family.cloud, target, query));
+    expect_columns(octree, targets, query, expected);
+  }
+  expect_columns(Octree(), targets, {.k = 3}, {targets.size(), std::vector<PointHit>()});
+  expect_columns(octree, {}, {.k = 3}, {});
+}
+
+TEST(NearTargets, in_columns_require_a_k_and_numbers) {
+  const Octree octree = build(point_families()[3].cloud);
+  std::vector<glm::dvec3> targets(3000, glm::dvec3(0.0));
+  std::vector<std::int64_t> ids(100 * targets.size());
+  std::vector<double> distances(ids.size());
+  const PointHitColumns columns{ids.data(), distances.data()};
+  EXPECT_THROW(find(octree, targets, {.radius = 1.0}, columns), Error);
+  targets[2900].y = std::numeric_limits<double>::quiet_NaN();
+  for (const std::size_t k : {3, 100}) {
+    try {
+      find(octree, targets, {.k = k}, columns);
+      ADD_FAILURE() << "no error";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("point 2900"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(NearTargets, in_columns_report_progress_and_can_be_cancelled) {
+  const Octree octree = build(point_families()[3].cloud);
+  const std::vector<glm::dvec3> targets(5000, glm::dvec3(0.5));
+  std::vector<std::int64_t> ids(70 * targets.size());
+  std::vector<double> distances(ids.size());
+  for (const std::size_t k : {3, 70}) {
+    std::uint64_t last = 0;
+    const auto watch = [&](std::uint64_t done, std::uint64_t total) {
+      EXPECT_EQ(total, targets.size());
+      EXPECT_GE(done, last);
+      last = done;
+      return true;
+    };
+    find(octree, targets, {.k = k}, {ids.data(), distances.data()}, watch);
+    EXPECT_EQ(last, targets.size());
+    EXPECT_THROW(find(octree, targets, {.k = k}, {ids.data(), distances.data()},
+                      [](std::uint64_t, std::uint64_t) { return false; }),
+                 Cancelled);
   }
 }
 
