@@ -202,6 +202,14 @@ HWY_INLINE void fetch_array(const T* values, std::size_t count) {
 /// For the few roundings of float expressions of positive numbers.
 constexpr float k_up = 1.0f + 0x1p-20f, k_down = 1.0f - 0x1p-20f;
 
+/// Whether spheres are surely entered at a limit or later. beyond: t of their points behind the limit, at
+/// least; inside: their half chords squared, at most. beyond >= sqrt(inside), without roots.
+template <class D, class V>
+HWY_INLINE hn::Mask<D> enters_after(D d, V beyond, V inside) {
+  return hn::And(hn::Ge(beyond, hn::Zero(d)),
+                 hn::Ge(hn::Mul(hn::Mul(beyond, beyond), hn::Set(d, k_down)), inside));
+}
+
 /// What LeafTest::LeafFrame::outer_sq and LeafTest::inner_sq are for the query's radius, for radii of the
 /// points' own, in floats that are above them by at most 2^-21 of them.
 struct SquaredRadius {

@@ -226,6 +226,9 @@ class LeafGroupTest {
       high = hn::Min(hn::Add(high, hn::Add(error, hn::Set(d, single_.radius_above()))),
                      hn::Add(group.t_max, error));
     const auto in_list = lanes_in_list(0, left);
+    const auto is_near = [&](std::uint32_t i, RayVector t, RayVector distance_sq) {
+      return hn::And(hn::Le(distance_sq, outer_sq(i)), hn::And(hn::Ge(t, low), hn::Le(t, high)));
+    };
 
     alignas(64) float ts[k_max_leaf_size][k_most_lanes], distances_sq[k_max_leaf_size][k_most_lanes];
     std::uint32_t possible = 0;
@@ -236,14 +239,33 @@ class LeafGroupTest {
       const auto [t, distance_sq] = on_line(x, y, z, group.direction_x, group.direction_y, group.direction_z);
       hn::Store(t, d, ts[i]);
       hn::Store(distance_sq, d, distances_sq[i]);
-      const auto near = hn::And(hn::Le(distance_sq, outer_sq(i)), hn::And(hn::Ge(t, low), hn::Le(t, high)));
-      possible |= (hn::AllFalse(d, near) ? 0u : 1u) << i;
+      possible |= (hn::AllFalse(d, is_near(i, t, distance_sq)) ? 0u : 1u) << i;
     }
     if (possible == 0) return;
     ++tests;
 
     const auto surely_low = hn::Add(group.t_min, error), surely_high = hn::Sub(group.t_max, error),
                surely_after = hn::Add(group.entry_min, error);
+    if constexpr (any) {
+      const auto surely_entered = hn::Add(surely_after, error);
+      auto met = hn::FirstN(d, 0), found = met;
+      for (; possible != 0; possible &= possible - 1) {
+        const std::uint32_t i = index_of_lowest_bit(possible);
+        const auto t = hn::Load(d, ts[i]), distance_sq = hn::Load(d, distances_sq[i]);
+        const auto near = is_near(i, t, distance_sq);
+        const auto is_inside =
+            hn::And(hn::Le(distance_sq, inner_sq(i)),
+                    enters_after(d, hn::Sub(t, surely_entered), hn::Sub(outer_sq(i), distance_sq)));
+        met = hn::Or(met, near);
+        found = hn::Or(
+            found, hn::And(hn::And(near, is_inside), hn::And(hn::Ge(t, surely_low), hn::Le(t, surely_high))));
+      }
+      for_each_lane(hn::And(in_list, found),
+                    [&](std::size_t lane) { single_.finish(batch[rays[lane]], leaf_, 0); });
+      for_each_lane(hn::And(in_list, hn::AndNot(found, met)),
+                    [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
+      return;
+    }
     const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
     const auto zero = hn::Zero(d);
     // Of the certain points the one that surely begins first leads; of the lows of all possible ones the two
@@ -255,7 +277,7 @@ class LeafGroupTest {
       const std::uint32_t i = index_of_lowest_bit(possible);
       const auto t = hn::Load(d, ts[i]), distance_sq = hn::Load(d, distances_sq[i]);
       const auto outer_sq = this->outer_sq(i), inner_sq = this->inner_sq(i);
-      const auto near = hn::And(hn::Le(distance_sq, outer_sq), hn::And(hn::Ge(t, low), hn::Le(t, high)));
+      const auto near = is_near(i, t, distance_sq);
       const auto entry_low =
           hn::Sub(hn::Sub(t, error), hn::Sqrt(hn::Max(hn::Sub(outer_sq, distance_sq), zero)));
       const auto sure =
@@ -276,15 +298,6 @@ class LeafGroupTest {
       leader = hn::IfThenElse(hn::RebindMask(n, leads), hn::Set(n, i), leader);
     }
     const auto has_leader = hn::And(in_list, hn::Lt(leader_high, none));
-    if constexpr (any) {
-      alignas(64) std::uint32_t leaders[k_most_lanes];
-      hn::Store(leader, n, leaders);
-      for_each_lane(has_leader,
-                    [&](std::size_t lane) { single_.finish(batch[rays[lane]], leaf_, leaders[lane]); });
-      const auto unclear = hn::And(in_list, hn::AndNot(has_leader, hn::Lt(lowest, none)));
-      for_each_lane(unclear, [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
-      return;
-    }
     const auto cut = hn::Min(leader_high, hn::Add(group.cut, error));
     const auto counts = hn::And(in_list, hn::Le(lowest, cut));
     const auto stands_out =

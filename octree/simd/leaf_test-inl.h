@@ -221,6 +221,24 @@ class LeafTest {
     if (possible == 0) return;
     const auto surely_low = hn::Add(t_min, error), surely_high = hn::Sub(t_max, error),
                surely_after = hn::Add(hn::Set(d, limits[2]), error);
+    if constexpr (any && !Points::are_discs) {
+      std::uint32_t sure = 0;
+      const auto surely_entered = hn::Add(surely_after, error);
+      for (int i = 0; i < vectors; ++i) {
+        const auto is_inside = hn::And(
+            hn::Le(distances_sq[i], inner_sq_of(i)),
+            enters_after(d, hn::Sub(ts[i], surely_entered), hn::Sub(outer_sq_of(i), distances_sq[i])));
+        const auto counts =
+            hn::And(is_inside, hn::And(hn::Ge(ts[i], surely_low), hn::Le(ts[i], surely_high)));
+        sure |= mask_bits(d, counts) << (i * lanes);
+      }
+      if ((sure & possible) != 0) return finish(ray, leaf, index_of_lowest_bit(sure & possible));
+      for (; possible != 0 && !ray.state.found(); possible &= possible - 1) {
+        const std::uint32_t i = index_of_lowest_bit(possible);
+        if (in_double(ray, leaf, i)) finish(ray, leaf, i);
+      }
+      return;
+    }
     const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
     const auto zero = hn::Zero(d);
     hn::Vec<PointLanes> lows[vectors], highs[vectors];
@@ -282,13 +300,6 @@ class LeafTest {
         for (int i = 0; i < vectors; ++i)
           leaders |= mask_bits(d, hn::Eq(highs[i], first_high)) << (i * lanes);
         finish(ray, leaf, index_of_lowest_bit(leaders));
-        return;
-      }
-      if constexpr (!Points::are_discs) {
-        for (; possible != 0 && !ray.state.found(); possible &= possible - 1) {
-          const std::uint32_t i = index_of_lowest_bit(possible);
-          if (in_double(ray, leaf, i)) finish(ray, leaf, i);
-        }
         return;
       }
     }

@@ -141,13 +141,11 @@ struct PacketLimits {
     is_sure = hn::And(is_sure, hn::And(hn::Ge(t, sure_low), hn::Le(t, sure_high)));
     if (!has_entry_min) return;
     const auto zero = hn::Zero(d);
-    const auto most = hn::Sub(t, entry_low), least = hn::Sub(t, sure_entry);
+    const auto most = hn::Sub(t, entry_low);
     const auto is_before =
         hn::Or(hn::Lt(most, zero), hn::Gt(inside, hn::Mul(hn::MulAdd(most, most, rim), hn::Set(d, k_up))));
-    const auto is_after =
-        hn::And(hn::Ge(least, zero), hn::Ge(hn::Mul(hn::Mul(least, least), hn::Set(d, k_down)), inside));
     is_possible = hn::AndNot(hn::And(hn::Ge(inside, rim), is_before), is_possible);
-    is_sure = hn::And(is_sure, is_after);
+    is_sure = hn::And(is_sure, enters_after(d, hn::Sub(t, sure_entry), inside));
   }
 };
 
