@@ -73,12 +73,18 @@ void JoinedProgress::add(std::uint64_t bytes) {
 
 bool JoinedProgress::count(std::uint64_t bytes) {
   done_ += bytes;
-  do {
-    if (is_stopped_ || is_reporting_.exchange(true)) break;
+  // Without more bytes it is asked whether to go on.
+  bool is_due = bytes == 0;
+  while (!is_stopped_ && (is_due || reported_ < done_) && !is_reporting_.exchange(true)) {
     const std::shared_ptr<void> end(nullptr, [&](void*) { is_reporting_ = false; });
-    reported_ = done_.load();
-    is_stopped_ = !progress_(std::min(reported_.load(), total_), total_);
-  } while (reported_ < done_);
+    // Another thread may have reported these bytes, or stopped, until a moment ago.
+    const std::uint64_t done = done_;
+    if (!is_stopped_ && (is_due || reported_ < done)) {
+      reported_ = done;
+      is_stopped_ = !progress_(std::min(done, total_), total_);
+    }
+    is_due = false;
+  }
   return !is_stopped_;
 }
 

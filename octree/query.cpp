@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -54,13 +52,16 @@ struct Turn {
 
 constexpr std::size_t k_turn = 1024;
 
+void check_in_turns(std::span<const glm::dvec3> targets) {
+  in_blocks(targets.size(), k_turn,
+            [&](std::size_t first, std::size_t end) { check_range(targets, first, end); });
+}
+
 /// Answers targets along a curve through all of them, whatever the order of the caller: use(t, turn), in
-/// parallel.
+/// parallel. Requires checked targets.
 template <class Use>
 void answer_in_turns(const Octree& octree, std::span<const glm::dvec3> targets, const PointQuery& query,
                      const Use& use) {
-  in_blocks(targets.size(), k_turn,
-            [&](std::size_t first, std::size_t end) { check_range(targets, first, end); });
   const auto position = [&](std::uint32_t number) { return targets[number]; };
   std::vector<simd::SortKey> order(targets.size());
   std::iota(order.begin(), order.end(), simd::SortKey{0});
@@ -81,6 +82,7 @@ void answer_in_turns(const Octree& octree, std::span<const glm::dvec3> targets, 
 
 Answers<PointHit> find_in_turns(const Octree& octree, std::span<const glm::dvec3> targets,
                                 const PointQuery& query) {
+  check_in_turns(targets);
   Answers<PointHit> answers;
   std::vector<std::size_t>& begin = answers.begin;
   begin.resize(targets.size() + 1);
@@ -331,12 +333,17 @@ void find(const Octree& octree, std::span<const glm::dvec3> targets, const Point
   if (query.k == k_all)
     throw input_error("columns require a k", "the number of rows for each target", "none");
   JoinedProgress done(progress, targets.size());
-  if (suits_turns(octree, query, targets.size())) {
-    answer_in_turns(octree, targets, query, [&](std::size_t, const Turn& turn) {
-      turn.for_each(
-          [&](std::size_t number, std::span<const PointHit> answers) { hits.set(query.k, number, answers); });
-      done.add(turn.ends.size());
-    });
+  if (suits_turns(octree, query, k_most_sorted)) {
+    check_in_turns(targets);
+    for (std::size_t begin = 0; begin < targets.size(); begin += k_most_sorted) {
+      const auto some = targets.subspan(begin, std::min(k_most_sorted, targets.size() - begin));
+      answer_in_turns(octree, some, query, [&](std::size_t, const Turn& turn) {
+        turn.for_each([&](std::size_t number, std::span<const PointHit> answers) {
+          hits.set(query.k, begin + number, answers);
+        });
+        done.add(turn.ends.size());
+      });
+    }
     return;
   }
   // A filter, or many neighbours, may make each take milliseconds.

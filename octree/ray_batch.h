@@ -60,6 +60,7 @@ void sort_along_curve(const Position& position, std::vector<simd::SortKey>& numb
 // their states stay in the second-level cache. Small batches are cut into smaller pieces, so that no thread
 // is idle.
 constexpr std::size_t k_least_stream_rays = 256, k_most_stream_rays = 12288;
+constexpr std::size_t k_most_sorted = std::size_t{1} << 20;  // targets; bounds the memory for their order
 inline std::size_t stream_grain(std::size_t rays) {
   const std::size_t threads = thread_count();
   return threads == 1 ? k_most_stream_rays
@@ -132,7 +133,6 @@ class RaysInMemory {
 template <class Batch, class Trace>
 void trace_side_by_side(const Bounds& bounds, const Batch& batch, const Trace& trace) {
   using Answer = typename Batch::Answer;
-  constexpr std::size_t k_most_sorted = std::size_t{1} << 20;  // bounds the memory for the order
   in_blocks(batch.size(), k_least_stream_rays,
             [&](std::size_t first, std::size_t last) { batch.check(first, last); });
   RoomOfTasks<Answer> rooms;

@@ -213,6 +213,7 @@ class LeafGroupTest {
 
  private:
   static constexpr std::size_t k_most_lanes = RaysInLeaf::k_most_lanes;
+  static_assert(!Points::are_discs);
 
   void visit_group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::uint32_t left,
                    std::uint64_t& tests) const {

@@ -2,6 +2,7 @@
 #include "base/parallel.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -69,6 +70,58 @@ TEST(Parallel, at_most_as_many_blocks_as_requested_run_at_once) {
     });
     EXPECT_LE(most, requested);
   }
+}
+
+TEST(JoinedProgress, of_many_threads_rises_to_the_total_and_is_told_by_one_at_a_time) {
+  constexpr std::size_t k_items = 20000;
+  std::atomic<int> callers = 0;
+  std::uint64_t last = 0;
+  const Progress watch = [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_EQ(++callers, 1);
+    EXPECT_EQ(total, k_items);
+    EXPECT_GT(done, last);
+    last = done;
+    --callers;
+    return true;
+  };
+  JoinedProgress progress(watch, k_items);
+  tbb::task_arena(4).execute([&] { in_parallel(k_items, 1, [&](std::size_t) { progress.add(1); }); });
+  EXPECT_EQ(last, k_items);
+}
+
+TEST(JoinedProgress, is_not_told_again_once_it_has_stopped) {
+  for (int round = 0; round < 20; ++round) {
+    std::atomic<int> calls = 0, stopped = 0;
+    const Progress watch = [&](std::uint64_t, std::uint64_t) { return ++calls < 20; };
+    JoinedProgress progress(watch, 1'000'000'000'000);
+    tbb::task_arena(4).execute([&] {
+      in_parallel(std::size_t{4}, 1, [&](std::size_t) {
+        try {
+          for (;;) progress.add(1);
+        } catch (const Cancelled&) {
+          ++stopped;
+        }
+      });
+    });
+    EXPECT_EQ(calls, 20);
+    EXPECT_EQ(stopped, 4);
+    EXPECT_THROW(progress.add(0), Cancelled);
+  }
+}
+
+TEST(JoinedProgress, may_be_added_to_while_it_is_told) {
+  constexpr std::uint64_t k_items = 1000;
+  JoinedProgress* adds = nullptr;
+  std::uint64_t last = 0;
+  const Progress watch = [&](std::uint64_t done, std::uint64_t) {
+    if (done + 1 < k_items) adds->add(1);
+    last = done;
+    return true;
+  };
+  JoinedProgress progress(watch, k_items);
+  adds = &progress;
+  while (last < k_items) progress.add(1);
+  EXPECT_EQ(last, k_items);
 }
 
 TEST(PieceSize, follows_the_time_that_pieces_take) {

@@ -258,6 +258,8 @@ TEST_F(StoreCloudTest, the_reference_system_is_kept_as_it_came) {
 }
 
 TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
+  // On one thread: reports of several are joined, now these and then those.
+  tbb::task_arena one(1);
   const CloudInputs files = site_files(folder_, site(3000));
   const auto count_files = [&] {
     return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
@@ -266,7 +268,7 @@ TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
   const Progress watch = [&](std::uint64_t, std::uint64_t) { return ++calls < most; };
   constexpr std::uint64_t k_memory = 50'000;
   const StoreOptions options{.chunk_points = 64, .progress = watch};
-  store_files(file_, files, {.progress = watch}, options, k_memory);
+  one.execute([&] { store_files(file_, files, {.progress = watch}, options, k_memory); });
   const int all = calls;
   EXPECT_GT(all, 8);
   const std::string before = bytes(file_);
@@ -276,7 +278,8 @@ TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
     for (const bool is_new : {true, false}) {
       calls = 0;
       const std::filesystem::path target = is_new ? folder_ / "new.db" : file_;
-      EXPECT_THROW(store_files(target, files, {.progress = watch}, again, k_memory), Cancelled);
+      const auto store = [&] { store_files(target, files, {.progress = watch}, again, k_memory); };
+      EXPECT_THROW(one.execute(store), Cancelled);
     }
     EXPECT_EQ(count_files(), 4) << "three clouds and a database";
     EXPECT_TRUE(bytes(file_) == before) << most;

@@ -38,7 +38,7 @@ std::vector<PointHit> limited(const std::vector<PointHit>& first, const PointQue
   return answers;
 }
 
-/// With every row that was not to be written as it was.
+/// As columns, with nothing written behind them.
 void expect_columns(const Octree& octree, const std::vector<glm::dvec3>& targets, const PointQuery& query,
                     const std::vector<std::vector<PointHit>>& expected) {
   constexpr std::int64_t k_untouched = -77;

@@ -50,7 +50,9 @@ def test_a_forked_process_reads_the_cloud():
                                   lambda index: index.count(np.tile([689950, 5325000, 600, 1, 0, 0.0], (10**6, 1)),
                                                             radius=50),
                                   lambda index: index.closest(np.tile([689950, 5325000, 600, 1, 0, 0.0], (10**6, 1)),
-                                                              radius=50, where=np.zeros(len(index.xyz), bool))])
+                                                              radius=50, where=np.zeros(len(index.xyz), bool)),
+                                  lambda index: index.nearest_points(np.tile([689950, 5325000, 600.0], (10**6, 1)),
+                                                                     where=np.zeros(len(index.xyz), bool))])
 def test_control_c_ends_work_of_hours(index, work):
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
