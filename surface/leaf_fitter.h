@@ -14,9 +14,8 @@ namespace alidade {
 /// leaf first, its surfaces are the same.
 class LeafFitter {
  public:
-  /// SurfaceView::stored_edges of the first point of a leaf that was not touched, and of one that is being
-  /// fitted. No edge has these values.
-  static constexpr std::uint8_t k_untouched = 1, k_begun = 2;
+  /// SurfaceView::stored_edges of the first point of a leaf that is not fitted. No edge has this value.
+  static constexpr std::uint8_t k_untouched = 1;
 
   virtual ~LeafFitter() = default;
 
@@ -24,8 +23,7 @@ class LeafFitter {
   /// first time, far more of a leaf with a stray point, whose neighbours are far away; other threads that
   /// touch the leaf meanwhile wait.
   void touch(const Leaf& leaf) const {
-    const std::uint8_t state = std::atomic_ref(stored_edges_[leaf.first]).load(std::memory_order_acquire);
-    if (state == k_untouched || state == k_begun) fit(leaf);
+    if (std::atomic_ref(stored_edges_[leaf.first]).load(std::memory_order_acquire) == k_untouched) fit(leaf);
   }
   /// All leaves, in parallel. `progress` is in points.
   void touch_all(const Progress& progress = {}) const {

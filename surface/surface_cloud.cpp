@@ -5,10 +5,11 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <new>
-#include <thread>
 #include <utility>
 
 #include "base/error.h"
@@ -65,29 +66,20 @@ class OnDemandFitter : public LeafFitter {
   }
 
   void fit(const Leaf& leaf) const override {
+    const std::lock_guard lock(mutexes_[leaf.first % mutexes_.size()]);
     const std::atomic_ref state(stored_.edges[leaf.first]);
-    std::uint8_t expected = k_untouched;
-    if (!state.compare_exchange_strong(expected, k_begun, std::memory_order_acquire)) {
-      while (state.load(std::memory_order_acquire) == k_begun) std::this_thread::yield();
-      // Fits that fail, for want of memory, are begun again.
-      if (state.load(std::memory_order_acquire) == k_untouched) fit(leaf);
-      return;
-    }
-    try {
-      const LeafSurfaces& fitted = fitters_.local()(leaf);
-      std::copy_n(fitted.surfaces, leaf.count, stored_.surfaces.data() + leaf.first);
-      std::copy_n(fitted.edges + 1, leaf.count - 1, stored_.edges.data() + leaf.first + 1);
-      state.store(fitted.edges[0], std::memory_order_release);
-    } catch (...) {
-      state.store(k_untouched, std::memory_order_release);
-      throw;
-    }
+    if (state.load(std::memory_order_relaxed) != k_untouched) return;
+    const LeafSurfaces& fitted = fitters_.local()(leaf);
+    std::copy_n(fitted.surfaces, leaf.count, stored_.surfaces.data() + leaf.first);
+    std::copy_n(fitted.edges + 1, leaf.count - 1, stored_.edges.data() + leaf.first + 1);
+    state.store(fitted.edges[0], std::memory_order_release);
   }
 
   const Octree octree_;
   const double unit_;
   mutable SurfaceArrays stored_;
   mutable tbb::enumerable_thread_specific<FitLeaf> fitters_;
+  mutable std::array<std::mutex, 1021> mutexes_;  ///< each for some of the leaves
 };
 
 /// What a view of discs points to.
