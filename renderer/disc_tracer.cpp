@@ -86,6 +86,8 @@ struct DiscCloud::SheetSums {
   double weight = 0.0, t = 0.0, t_squared = 0.0;  ///< t from that of the first crossing, metres
   glm::dvec3 normal{0.0}, color{0.0};
   double farthest = 0.0;  ///< plane from the first crossing, metres
+  double greatest_weight = 0.0;
+  glm::dvec3 nearest_color{0.0};  ///< of the disc that has it
 
   /// Variance of t.
   double spread() const {
@@ -101,7 +103,8 @@ DiscCloud::DiscCloud(const LoadedCloud& cloud, bool blends)
              .spacing_factor = cloud.spacing_factor,
              .discs = DiscQuery{.lone_radius = cloud.lone_radius}},
       colors_(cloud.point_colors()),
-      blends_(blends) {}
+      blends_(blends),
+      are_categories_(!cloud.color.swatches.empty()) {}
 
 SurfaceQuery DiscCloud::query_of(std::span<const SheetOrigin> origins) const {
   SurfaceQuery query = query_;
@@ -141,6 +144,10 @@ DiscCloud::SheetSums DiscCloud::sums(const Ray& ray, const DiscHit& hit,
     sums.t_squared += weight * later * later;
     sums.normal += weight * (glm::dot(disc.normal, first_normal) < 0.0 ? -disc.normal : disc.normal);
     sums.color += weight * color;
+    if (weight > sums.greatest_weight) {
+      sums.greatest_weight = weight;
+      sums.nearest_color = color;
+    }
     sums.farthest = std::max(sums.farthest, height_above_sheet(disc, met));
   }
   return sums;
@@ -188,7 +195,7 @@ void DiscCloud::blend(std::span<const Ray> rays, std::span<const Blended> blende
     if (t >= ray.t_min && t <= ray.t_max) hit.t = t;
     // A sheet that curves out of sight keeps the side that the ray came from.
     if (glm::dot(sheet.normal, ray.direction) < 0.0) hit.sheet.normal = glm::normalize(sheet.normal);
-    hit.color = Color16(sheet.color / sheet.weight + 0.5);
+    hit.color = are_categories_ ? Color16(sheet.nearest_color) : Color16(sheet.color / sheet.weight + 0.5);
     hit.sheet.thickness += static_cast<float>(2.0 * sheet.farthest);
   }
 }

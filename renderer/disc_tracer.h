@@ -21,9 +21,11 @@
 //
 //   exp(-8 d^2 / r^2)
 //
-// with the distance d of the point from the first crossing and its radius r. Planes that the ray crosses more
-// than r from the first crossing do not count, nor does a mean t outside the limits or a normal that faces
-// away. Rays that leave a sheet meet discs that are not blended: what they find is spread over many of them.
+// with the distance d of the point from the first crossing and its radius r. Colours of categories, such as
+// classes, are not: between ground and building lies no third class. The hit has that of the disc with the
+// greatest weight. Planes that the ray crosses more than r from the first crossing do not count, nor does a
+// mean t outside the limits or a normal that faces away. Rays that leave a sheet meet discs that are not
+// blended: what they find is spread over many of them.
 
 namespace alidade::renderer {
 
@@ -115,7 +117,7 @@ class DiscCloud {
   const SurfaceCloud surfaces_;
   const SurfaceQuery query_;
   const ColorColumn colors_;
-  const bool blends_;
+  const bool blends_, are_categories_;  ///< the colours
 };
 
 }  // namespace alidade::renderer

@@ -18,7 +18,7 @@ namespace alidade::renderer {
 
 /// Changes whenever the same scene gives other bytes, so that no checkpoint continues with samples of another
 /// kind.
-inline constexpr int k_image_version = 5;
+inline constexpr int k_image_version = 6;
 
 /// Small images of the unfinished render.
 struct PreviewOptions {

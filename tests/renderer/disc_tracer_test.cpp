@@ -24,15 +24,15 @@ using test::Random;
 /// The blended hit by its definition (renderer/disc_tracer.h): t, and the colour without rounding.
 struct Blended {
   double t;
-  glm::dvec3 color;
+  glm::dvec3 color, nearest_color;
 };
 std::optional<Blended> blended(const PlainPoints& points, const ColorColumn& colors, const Ray& ray,
                                const Hit& first) {
   const PointSurface own = surface_of(points.layers, first.point_id);
   if (!own.exists) return std::nullopt;
   const glm::dvec3 met = ray.origin + first.t * ray.direction;
-  double sum = 0.0, t_sum = 0.0;
-  glm::dvec3 color_sum(0.0);
+  double sum = 0.0, t_sum = 0.0, greatest_weight = 0.0;
+  glm::dvec3 color_sum(0.0), nearest_color(0.0);
   for (const std::uint64_t id : points.ids) {
     const PointSurface surface = surface_of(points.layers, id);
     const double radius = own_radius(points.query, points.spacings[id]);
@@ -48,15 +48,19 @@ std::optional<Blended> blended(const PlainPoints& points, const ColorColumn& col
     sum += weight;
     t_sum += weight * (t - first.t);
     color_sum += weight * glm::dvec3(colors[id]);
+    if (weight > greatest_weight) nearest_color = colors[id];
+    greatest_weight = std::max(greatest_weight, weight);
   }
   const double t = first.t + t_sum / sum;
-  return Blended{t >= ray.t_min && t <= ray.t_max ? t : first.t, color_sum / sum};
+  return Blended{t >= ray.t_min && t <= ray.t_max ? t : first.t, color_sum / sum, nearest_color};
 }
 
 /// least_met: so many rays meet something.
-void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int least_met, bool blends) {
+void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int least_met, bool blends,
+                            bool are_categories = false) {
   Random random;
-  const LoadedCloud cloud = disc_cloud(corner_points(random, 700), random, radius);
+  LoadedCloud cloud = disc_cloud(corner_points(random, 700), random, radius);
+  if (are_categories) cloud.color.swatches.resize(2);
   const DiscCloud discs(cloud, blends);
   const PlainPoints points(cloud);
   std::vector<Ray> rays;
@@ -91,7 +95,7 @@ void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int leas
       continue;
     }
     ++blends_met;
-    ASSERT_EQ(hits[i]->color, Color16(mean->color + 0.5));
+    ASSERT_EQ(hits[i]->color, Color16(are_categories ? mean->nearest_color : mean->color + 0.5));
   }
   EXPECT_GT(met, least_met);
   EXPECT_GT(blends_met, blends ? least_met / 3 : -1);
@@ -108,6 +112,11 @@ TEST(DiscCloud, the_first_crossing_is_that_of_its_definition) {
 TEST(DiscCloud, a_blended_crossing_is_that_of_its_definition) {
   expect_first_crossings({}, 200, true);
   expect_first_crossings(AdaptedRadius{.factor = 2.0}, 200, true);
+}
+
+TEST(DiscCloud, a_blended_crossing_has_the_color_of_one_category) {
+  expect_first_crossings({}, 200, true, true);
+  expect_first_crossings(AdaptedRadius{.factor = 2.0}, 200, true, true);
 }
 
 TEST(DiscCloud, hits_of_many_rays_on_one_disc_are_those_of_each_ray_alone) {
