@@ -114,13 +114,14 @@ TEST(JoinedProgress, may_be_added_to_while_it_is_told) {
   JoinedProgress* adds = nullptr;
   std::uint64_t last = 0;
   const Progress watch = [&](std::uint64_t done, std::uint64_t) {
-    if (done + 1 < k_items) adds->add(1);
     last = done;
+    if (done < k_items) adds->add(1);
     return true;
   };
   JoinedProgress progress(watch, k_items);
   adds = &progress;
-  while (last < k_items) progress.add(1);
+  // What is added during a report is told by whoever reports.
+  progress.add(1);
   EXPECT_EQ(last, k_items);
 }
 
