@@ -73,7 +73,7 @@ TEST(Parallel, at_most_as_many_blocks_as_requested_run_at_once) {
 }
 
 TEST(JoinedProgress, of_many_threads_rises_to_the_total_and_is_told_by_one_at_a_time) {
-  constexpr std::size_t k_items = 20000;
+  constexpr std::size_t k_items = 1'000'000;  // so that threads meet within a few instructions
   std::atomic<int> callers = 0;
   std::uint64_t last = 0;
   const Progress watch = [&](std::uint64_t done, std::uint64_t total) {
@@ -123,6 +123,16 @@ TEST(JoinedProgress, may_be_added_to_while_it_is_told) {
   // What is added during a report is told by whoever reports.
   progress.add(1);
   EXPECT_EQ(last, k_items);
+}
+
+TEST(JoinedProgress, asks_whether_to_go_on_when_nothing_is_added) {
+  int calls = 0;
+  const Progress watch = [&](std::uint64_t, std::uint64_t) { return ++calls < 3; };
+  JoinedProgress progress(watch, 10);
+  progress.add(5);
+  progress.add(0);
+  EXPECT_EQ(calls, 2);
+  EXPECT_THROW(progress.add(0), Cancelled);
 }
 
 TEST(PieceSize, follows_the_time_that_pieces_take) {
