@@ -180,6 +180,20 @@ TEST(NearTargets, columns_hold_answers_with_filters_and_with_many_neighbours) {
   expect_columns(octree, {}, {.k = 3}, {});
 }
 
+TEST(NearTargets, of_more_than_a_million_targets_are_in_their_rows) {
+  constexpr std::size_t k_sorted_at_once = std::size_t{1} << 20;
+  const PointCloud cloud = make_cloud({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {glm::dvec3(0.01), glm::dvec3(0)});
+  std::vector<glm::dvec3> targets(k_sorted_at_once + 5);
+  for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = {static_cast<double>(i % 3), 0.0, 0.1};
+  std::vector<std::int64_t> ids(targets.size());
+  std::vector<double> distances(targets.size());
+  std::uint64_t last = 0;
+  find(build(cloud), targets, {.k = 1}, {ids.data(), distances.data()},
+       [&](std::uint64_t done, std::uint64_t) { return (last = done) > 0; });
+  EXPECT_EQ(last, targets.size());
+  for (std::size_t i = 0; i < targets.size(); ++i) ASSERT_EQ(ids[i], static_cast<std::int64_t>(i % 3)) << i;
+}
+
 TEST(NearTargets, in_columns_require_a_k_and_numbers) {
   const Octree octree = build(point_families()[3].cloud);
   std::vector<glm::dvec3> targets(3000, glm::dvec3(0.0));
