@@ -378,7 +378,7 @@ struct PointHitColumns {
 };
 
 /// `find` without positions, in k rows for each target. `progress` is in targets. Errors beside those of
-/// batches: no k. Cost: as `find`; where the memory was in use before, two thirds of that.
+/// batches: no k. Cost: that of `find`, or up to a fifth less for millions of targets.
 void find(const Octree& octree, std::span<const glm::dvec3> targets, const PointQuery& query,
           const PointHitColumns& hits, const Progress& progress = {});
 

@@ -120,7 +120,7 @@ TEST(JoinedProgress, may_be_added_to_while_it_is_told) {
   };
   JoinedProgress progress(watch, k_items);
   adds = &progress;
-  // What is added during a report is told by whoever reports.
+  // The reporting thread also reports what was added meanwhile.
   progress.add(1);
   EXPECT_EQ(last, k_items);
 }
